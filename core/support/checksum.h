@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
+namespace arete {
+
+/// XXH3 with 64 bits: integrity of our own files, not security.
+std::uint64_t checksum64(const void* data, std::size_t bytes);
+
+/// XXH3 with 128 bits in 32 hexadecimal digits: names a dictionary in metadata.
+std::string digest_hex(const void* data, std::size_t bytes);
+
+}  // namespace arete
