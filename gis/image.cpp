@@ -1,0 +1,242 @@
+#include "gis/image.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cerrno>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "core/support/error.h"
+
+namespace arete {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string extension_of(const std::string& path) {
+  std::string extension = fs::path(path).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](char c) { return static_cast<char>(std::tolower(c)); });
+  return extension.empty() ? extension : extension.substr(1);
+}
+
+std::unique_ptr<OIIO::ImageOutput> writer_for(const std::string& path) {
+  const std::string extension = extension_of(path);
+  auto writer = extension.empty() ? nullptr : OIIO::ImageOutput::create(extension);
+  if (!writer) {
+    (void)OIIO::geterror();  // also clears it
+    throw Error(ErrorKind::format, "cannot write the picture " + path + ": no writer for the extension '" + extension +
+                                       "'; use .png, .tif or .exr");
+  }
+  return writer;
+}
+
+/// A file that is built under a name beside its own and takes its name when it is whole.
+class PendingFile {
+ public:
+  explicit PendingFile(const std::string& path) : path_(path) {
+    const fs::path target(path);
+    std::string name = ".";
+    name += target.filename().string();
+    name += "." + std::to_string(getpid()) + ".part";
+    temporary_ = (target.parent_path() / name).string();
+  }
+  ~PendingFile() {
+    if (!done_) std::remove(temporary_.c_str());
+  }
+  const std::string& temporary() const { return temporary_; }
+  void commit(bool overwrite) {
+    const int file = ::open(temporary_.c_str(), O_RDONLY);
+    const bool flushed = file >= 0 && fsync(file) == 0;
+    if (file >= 0) ::close(file);
+    // The name may have been taken while the picture was drawn.
+    if (!overwrite && fs::exists(path_))
+      throw Error(ErrorKind::disk, "the picture " + path_ + " exists; choose another name or give --overwrite");
+    if (!flushed || std::rename(temporary_.c_str(), path_.c_str()) != 0)
+      throw Error(ErrorKind::disk, "cannot finish the picture " + path_ + ": " + std::strerror(errno));
+    done_ = true;
+  }
+
+ private:
+  std::string path_, temporary_;
+  bool done_ = false;
+};
+
+void write_pixels(const std::string& path, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels, OIIO::stride_t row_stride,
+                  bool overwrite) {
+  check_picture_path(path, overwrite);
+  auto writer = writer_for(path);
+  // OpenImageIO would store the time of writing otherwise.
+  spec.attribute("DateTime", "");
+  PendingFile file(path);
+  const bool written = writer->open(file.temporary(), spec) &&
+                       writer->write_image(type, pixels, OIIO::AutoStride, row_stride) && writer->close();
+  if (!written) {
+    const std::string reason = writer->geterror();
+    throw Error(ErrorKind::disk, "cannot write the picture " + path + (reason.empty() ? "" : ": " + reason));
+  }
+  file.commit(overwrite);
+}
+
+float linear_light(std::uint8_t value) {
+  const float v = static_cast<float>(value) / 255.0f;  // IEC 61966-2-1
+  return v <= 0.04045f ? v / 12.92f : std::pow((v + 0.055f) / 1.055f, 2.4f);
+}
+
+OIIO::ImageBuf wrap(Picture& picture) {
+  const OIIO::ImageSpec spec(static_cast<int>(picture.width()), static_cast<int>(picture.height()), 4, OIIO::TypeDesc::UINT8);
+  return OIIO::ImageBuf(spec, picture.data());
+}
+
+std::string ascii(const std::string& text) {
+  std::string plain;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (byte >= 0x80 && byte < 0xc0) continue;  // the rest of a character of UTF-8
+    plain += byte >= 0x20 && byte < 0x7f ? c : '?';
+  }
+  return plain;
+}
+
+Picture repeat_pixels(const Picture& picture, std::int64_t across, std::int64_t down) {
+  Picture larger(picture.width() * across, picture.height() * down);
+  for (std::int64_t y = 0; y < larger.height(); ++y)
+    for (std::int64_t x = 0; x < larger.width(); ++x) larger(x, y) = picture(x / across, y / down);
+  return larger;
+}
+
+}  // namespace
+
+void check_picture_path(const std::string& path, bool overwrite) {
+  writer_for(path);
+  std::error_code ignored;
+  const fs::path folder = fs::path(path).parent_path();
+  const std::string folder_name = folder.empty() ? "." : folder.string();
+  if (!fs::is_directory(folder_name, ignored))
+    throw Error(ErrorKind::disk, "cannot write the picture " + path + ": there is no folder " + folder_name);
+  if (fs::is_directory(path, ignored)) throw Error(ErrorKind::disk, "cannot write the picture " + path + ": it is a folder");
+  if (!overwrite && fs::exists(path, ignored))
+    throw Error(ErrorKind::disk, "the picture " + path + " exists; choose another name or give --overwrite");
+  if (access(folder_name.c_str(), W_OK) != 0)
+    throw Error(ErrorKind::disk, "cannot write the picture " + path + ": the folder " + folder_name + " cannot be written to");
+}
+
+void write_picture(const std::string& path, const Picture& picture, bool overwrite) {
+  const auto pixels = static_cast<std::size_t>(picture.width() * picture.height());
+  const bool opaque = std::all_of(picture.data(), picture.data() + pixels, [](const Colour& c) { return c[3] == 255; });
+  const std::size_t channels = opaque ? 3 : 4;
+  const int width = static_cast<int>(picture.width()), height = static_cast<int>(picture.height());
+  if (extension_of(path) == "exr") {
+    std::vector<float> light(pixels * channels);
+    for (std::size_t i = 0; i < pixels; ++i) {
+      const float opacity = static_cast<float>(picture.data()[i][3]) / 255.0f;  // EXR is multiplied by it
+      for (std::size_t c = 0; c < 3; ++c) light[i * channels + c] = linear_light(picture.data()[i][c]) * opacity;
+      if (!opaque) light[i * channels + 3] = opacity;
+    }
+    write_pixels(path, OIIO::ImageSpec(width, height, static_cast<int>(channels), OIIO::TypeDesc::HALF), OIIO::TypeDesc::FLOAT,
+                 light.data(), OIIO::AutoStride, overwrite);
+    return;
+  }
+  std::vector<std::uint8_t> bytes(pixels * channels);
+  for (std::size_t i = 0; i < pixels; ++i)
+    for (std::size_t c = 0; c < channels; ++c) bytes[i * channels + c] = picture.data()[i][c];
+  OIIO::ImageSpec spec(width, height, static_cast<int>(channels), OIIO::TypeDesc::UINT8);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  write_pixels(path, spec, OIIO::TypeDesc::UINT8, bytes.data(), OIIO::AutoStride, overwrite);
+}
+
+void write_grey16(const std::string& path, RasterView<const std::uint16_t> cells, bool overwrite) {
+  const OIIO::ImageSpec spec(static_cast<int>(cells.width), static_cast<int>(cells.height), 1, OIIO::TypeDesc::UINT16);
+  write_pixels(path, spec, OIIO::TypeDesc::UINT16, cells.data, cells.stride * static_cast<OIIO::stride_t>(sizeof(std::uint16_t)),
+               overwrite);
+}
+
+Picture read_picture(const std::string& path) {
+  OIIO::ImageSpec as_stored;
+  as_stored.attribute("oiio:UnassociatedAlpha", 1);
+  auto reader = OIIO::ImageInput::open(path, &as_stored);
+  if (!reader) throw Error(ErrorKind::input, "cannot read the picture " + path + ": " + OIIO::geterror());
+  const OIIO::ImageSpec spec = reader->spec();
+  const auto channels = static_cast<std::size_t>(spec.nchannels);
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(spec.height) * channels);
+  if (!reader->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::UINT8, bytes.data()))
+    throw Error(ErrorKind::input, "cannot read the picture " + path + ": " + reader->geterror());
+  Picture picture(spec.width, spec.height);
+  for (std::size_t i = 0; i < bytes.size() / channels; ++i)
+    for (std::size_t c = 0; c < 4; ++c) {
+      if (c == 3)
+        picture.data()[i][c] = channels == 4 ? bytes[i * channels + 3] : 255;
+      else
+        picture.data()[i][c] = bytes[i * channels + (channels >= 3 ? c : 0)];
+    }
+  return picture;
+}
+
+Picture resize_picture(const Picture& picture, std::int64_t width, std::int64_t height) {
+  if (width % picture.width() == 0 && height % picture.height() == 0)
+    return repeat_pixels(picture, width / picture.width(), height / picture.height());
+  Picture source = picture, resized(width, height);
+  // The filter must not mix the hidden colour of a transparent pixel into its neighbours.
+  OIIO::ImageBuf from = wrap(source), to = wrap(resized), light;
+  from.specmod().alpha_channel = 3;
+  OIIO::ImageBufAlgo::premult(light, from);
+  OIIO::ImageBuf scaled = OIIO::ImageBufAlgo::resize(light, "triangle", 0.0f, to.roi());
+  scaled.specmod().alpha_channel = 3;
+  OIIO::ImageBufAlgo::unpremult(to, scaled);
+  return resized;
+}
+
+void paste(Picture& to, const Picture& from, std::int64_t x, std::int64_t y) {
+  for (std::int64_t j = std::max<std::int64_t>(0, -y); j < std::min(from.height(), to.height() - y); ++j)
+    for (std::int64_t i = std::max<std::int64_t>(0, -x); i < std::min(from.width(), to.width() - x); ++i) {
+      const Colour& above = from(i, j);
+      Colour& below = to(x + i, y + j);
+      const int opacity = above[3];
+      for (std::size_t c = 0; c < 3; ++c)
+        below[c] = static_cast<std::uint8_t>((above[c] * opacity + below[c] * (255 - opacity) + 127) / 255);
+      below[3] = static_cast<std::uint8_t>(std::max<int>(below[3], opacity));
+    }
+}
+
+void fill(Picture& picture, const Window& area, Colour colour) {
+  for (std::int64_t y = std::max<std::int64_t>(0, area.y); y < std::min(picture.height(), area.y + area.height); ++y)
+    for (std::int64_t x = std::max<std::int64_t>(0, area.x); x < std::min(picture.width(), area.x + area.width); ++x)
+      picture(x, y) = colour;
+}
+
+std::string find_font() {
+  if (const char* chosen = std::getenv("ARETE_FONT")) return fs::exists(chosen) ? chosen : "";
+  for (const char* path : {"/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf", "/usr/share/fonts/dejavu-sans-fonts/DejaVuSans.ttf",
+                           "/usr/share/fonts/TTF/DejaVuSans.ttf", "/usr/share/fonts/truetype/liberation/LiberationSans-Regular.ttf",
+                           "/usr/share/fonts/liberation-sans/LiberationSans-Regular.ttf"})
+    if (fs::exists(path)) return path;
+  return "";
+}
+
+void draw_text(Picture& picture, std::int64_t x, std::int64_t y, const std::string& text, int size, Colour colour, Align align) {
+  const std::string font = find_font();
+  if (font.empty() || text.empty()) return;
+  OIIO::ImageBuf canvas = wrap(picture);
+  float ink[4];
+  for (std::size_t c = 0; c < 4; ++c) ink[c] = static_cast<float>(colour[c]) / 255.0f;
+  using OIIO::ImageBufAlgo::TextAlignX;
+  const TextAlignX side = align == Align::left ? TextAlignX::Left : align == Align::right ? TextAlignX::Right : TextAlignX::Center;
+  OIIO::ImageBufAlgo::render_text(canvas, static_cast<int>(x), static_cast<int>(y), ascii(text), size, font, ink, side);
+}
+
+std::int64_t text_width(const std::string& text, int size) {
+  const std::string font = find_font();
+  if (font.empty() || text.empty()) return 0;
+  const OIIO::ROI extent = OIIO::ImageBufAlgo::text_size(ascii(text), size, font);
+  return extent.defined() ? extent.width() : 0;
+}
+
+}  // namespace arete
