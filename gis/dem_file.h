@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "core/support/progress.h"
 #include "core/terrain/georeference.h"
 #include "core/terrain/raster_io.h"
 
@@ -12,24 +14,51 @@ namespace arete {
 
 struct DemReadOptions {
   int band = 1;              ///< counted from 1, as GDAL does
-  bool terrain_rgb = false;  ///< three bands of Mapbox terrain-RGB: -10000 + (R 65536 + G 256 + B) 0.1 m
+  bool terrain_rgb = false;  ///< three 8-bit bands of Mapbox terrain-RGB: -10000 + (R 65536 + G 256 + B) 0.1 m; `band` is ignored
+  /// A raster whose smallest readable piece (block) is larger is refused: a header of a few bytes can ask for any amount.
+  std::int64_t max_block_bytes = std::int64_t{1} << 30;
 };
 
-/// A DEM that GDAL opens, read by window: metres (scale, offset and vertical unit applied), NaN where nodata, masked, or NaN.
+/// What a DEM file says of itself, for people.
+struct DemDescription {
+  std::string driver;     ///< GDAL's short name: GTiff
+  std::string data_type;  ///< of the band, GDAL's name: Int16, Float32...
+  int bands = 0;
+  std::vector<std::string> band_names;  ///< one per band, empty where the file has none
+  bool nodata_declared = false;
+  bool masked = false;    ///< a mask or alpha band says which cells are valid
+  double scale = 1;       ///< elevation = scale x stored + offset, in the vertical unit
+  double offset = 0;
+  bool south_up = false;  ///< the file's rows run from south to north; here they are turned
+  bool unit_known = true; ///< false: the file names a vertical unit that is not known, and it was taken as the metre
+  std::map<std::string, std::string> metadata;  ///< of the dataset
+};
+
+/// A DEM that GDAL opens, read by window: metres (scale, offset and vertical unit applied), NaN where void.
+///
+/// Void is: the declared nodata value (compared in the type of the file, and to 2e-6 of its size where it is beyond 1e30, because
+/// such values are often declared rounded), a cell that a mask or alpha band leaves out, NaN and infinities whether declared
+/// or not, and what does not fit in a float. Values are computed in double and rounded to float once.
+///
+/// The vertical unit is the band's; where the band names none, that of the vertical axis of the CRS; else the metre. A horizontal
+/// CRS in feet says nothing of elevations. Row 0 is north: rows that run from south to north in the file are turned, and so
+/// is the transform. A rotated or sheared transform is kept as it is.
 class DemReader final : public RasterSource {
  public:
-  /// Throws Error{input} where the file is missing, damaged or no raster, or has not that band.
+  /// Throws Error{input} where the file is missing, damaged or no raster, or has not that band; Error{format} where the band holds
+  /// complex numbers; Error{memory} where a block exceeds max_block_bytes.
   explicit DemReader(const std::string& path, const DemReadOptions& options = {});
   ~DemReader() override;
 
   Size size() const override;
-  /// Throws Error{input} where the file is damaged. Reads are one at a time inside.
+  /// Throws Error{input} where the file is damaged there. Reads are one at a time inside.
   void read(const Window& window, RasterView<float> out) const override;
 
   const GeoReference& georeference() const;
-  CellSize cell_size() const;      ///< at the centre
+  CellSize cell_size() const;  ///< at the centre
   const std::string& path() const;
-  std::string data_type() const;   ///< GDAL's name: Int16, Float32...
+  std::string data_type() const;  ///< GDAL's name: Int16, Float32...
+  const DemDescription& description() const;
 
  private:
   struct Impl;
@@ -37,23 +66,40 @@ class DemReader final : public RasterSource {
 };
 
 struct DemWriteOptions {
-  std::string format;       ///< GDAL's short name; empty: by extension, COG for .tif
+  std::string format = {};  ///< GDAL's short name; empty: by extension, COG for .tif and .tiff
   bool overwrite = false;
-  std::vector<std::string> bands = {"elevation"};   ///< a name per band
-  std::map<std::string, std::string> metadata;      ///< how it was made; ARETE_* items
-  std::int64_t memory_bytes = 256 << 20;
+  std::vector<std::string> bands = {"elevation"};  ///< a name per band
+  /// A unit per band, or empty: all bands are elevations. A band of unit "m" is converted to the file's vertical unit; any other
+  /// (an index: "") is written as it is.
+  std::vector<std::string> band_units = {};
+  std::map<std::string, std::string> metadata = {};  ///< how it was made: ARETE_* items; TIFFTAG_SOFTWARE defaults to "arete <version>"
+  std::int64_t memory_bytes = 256 << 20;  ///< GDAL's block cache, which belongs to the process, is shrunk to this, never grown
+  int threads = 0;                        ///< of the compressor; 0: one per core. The bytes do not depend on it
 };
 
-/// Writes a DEM by window. Nothing appears under the path until commit() has written, checked and renamed it; without commit the
-/// destructor removes what was begun. Elevations are written in metres as Float32 (bands beyond the first likewise).
+/// Writes a DEM by window, as Float32, in the vertical unit of its georeference (the values given are metres, and are divided by
+/// metres_per_unit: a source in feet gives a file in feet).
+///
+/// Voids are written as the georeference's nodata value where a float can hold it; else as NaN, or -9999 in ASCII grids, whose
+/// other readers know no NaN. A valid elevation that happens to equal the nodata value is moved to the next float, so that it stays
+/// valid. CRS (with its vertical part), registration, unit, band names and metadata are written as far as the format holds them.
+///
+/// Guarantees: 1. nothing appears under the path, nor beside it, before commit() has written everything, checked it and flushed it
+/// to the disk; then all files appear by rename, the main one last. 2. Without commit, or when it fails, an existing
+/// output is as it was, and the folder holds nothing new. (Work in progress lies in a hidden folder `.arete-XXXXXX` beside the
+/// output: 4 bytes per cell and band, plus the output. Only a killed process leaves it.) 3. The same cells give the
+/// same bytes for any order and size of windows, memory and threads.
 class DemWriter final : public RasterSink {
  public:
   /// Throws Error{disk} where the output exists (and may not be overwritten) or its folder is missing or read-only,
-  /// Error{format} where no driver writes that extension.
+  /// Error{format} where no driver writes that extension or the format holds no 32-bit floats.
   DemWriter(const std::string& path, Size size, const GeoReference& geo, const DemWriteOptions& options = {});
   ~DemWriter() override;
+  /// Cells that are never written are void. Throws Error{disk} where the disk is full or fails.
   void write(int band, const Window& window, RasterView<const float> cells) override;
-  void commit();
+  /// Makes the file in its format, with overviews for a COG, and gives it its name. Throws Error{disk}, or Error{format} where the
+  /// driver refuses this raster; Error{interrupted} where `progress` says so.
+  void commit(Progress* progress = nullptr);
 
  private:
   struct Impl;
