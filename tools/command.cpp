@@ -125,7 +125,7 @@ std::string indent_lines(const std::string& text) {
 
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& description, const std::string& example,
                    std::shared_ptr<CommonOptions> common, std::function<void()> run) {
-  CLI::App* verb = app.add_subcommand(name, description);
+  CLI::App* verb = app.add_subcommand(name, description)->group("Verbs");
   verb->footer("Example:\n" + indent_lines(example));
   add_common_options(*verb, *common);
   verb->callback([common, run] {

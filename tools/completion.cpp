@@ -154,7 +154,7 @@ std::string write_completion(const CLI::App& app, const std::string& shell) {
 
 void add_completion(CLI::App& app) {
   const auto shell = std::make_shared<std::string>();
-  CLI::App* verb = app.add_subcommand("completion", "Print the completion script of a shell");
+  CLI::App* verb = app.add_subcommand("completion", "Print the completion script of a shell")->group("Verbs");
   verb->add_option("SHELL", *shell, "bash, zsh or fish")->required()->check(CLI::IsMember({"bash", "zsh", "fish"}))->type_name("");
   verb->footer("Example:\n  arete completion bash > ~/.local/share/bash-completion/completions/arete");
   verb->callback([&app, shell] { std::cout << write_completion(app, *shell); });

@@ -2,6 +2,7 @@
 
 #include <thread>
 
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -24,6 +25,8 @@ void parallel_for(std::int64_t count, int threads, const std::function<void(std:
     for (std::int64_t i = 0; i < count; ++i) body(i);
     return;
   }
+  // More threads than cores are the caller's choice; without this TBB would warn on stderr and use fewer.
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers));
   tbb::task_arena arena(workers);
   arena.execute([&] {
     tbb::parallel_for(std::int64_t{0}, count, body, tbb::simple_partitioner());

@@ -58,7 +58,8 @@ const std::vector<Source>& sources() {
 /// Headers of the C++ standard library have neither a dot nor a slash; the few of POSIX and libc are listed.
 bool is_system_header(const std::string& header) {
   static const std::set<std::string> posix = {"unistd.h", "fcntl.h", "dirent.h", "sys/stat.h", "sys/types.h", "sys/wait.h",
-                                              "sys/mman.h", "sys/resource.h", "sys/time.h"};
+                                              "sys/mman.h", "sys/resource.h", "sys/time.h", "stdio.h",
+                                              "stdlib.h", "signal.h"};
   return header.find_first_of("./") == std::string::npos || posix.count(header) > 0;
 }
 
