@@ -2,20 +2,16 @@
 
 #include <algorithm>
 #include <cctype>
-#include <cerrno>
 #include <cmath>
-#include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
-#include <fcntl.h>
-#include <unistd.h>
 
 #include "core/support/error.h"
+#include "gis/staged_files.h"
 
 namespace arete {
 namespace {
@@ -39,51 +35,20 @@ std::unique_ptr<OIIO::ImageOutput> writer_for(const std::string& path) {
   return writer;
 }
 
-/// A file that is built under a name beside its own and takes its name when it is whole.
-class PendingFile {
- public:
-  explicit PendingFile(const std::string& path) : path_(path) {
-    const fs::path target(path);
-    std::string name = ".";
-    name += target.filename().string();
-    name += "." + std::to_string(getpid()) + ".part";
-    temporary_ = (target.parent_path() / name).string();
-  }
-  ~PendingFile() {
-    if (!done_) std::remove(temporary_.c_str());
-  }
-  const std::string& temporary() const { return temporary_; }
-  void commit(bool overwrite) {
-    const int file = ::open(temporary_.c_str(), O_RDONLY);
-    const bool flushed = file >= 0 && fsync(file) == 0;
-    if (file >= 0) ::close(file);
-    // The name may have been taken while the picture was drawn.
-    if (!overwrite && fs::exists(path_))
-      throw Error(ErrorKind::disk, "the picture " + path_ + " exists; choose another name or give --overwrite");
-    if (!flushed || std::rename(temporary_.c_str(), path_.c_str()) != 0)
-      throw Error(ErrorKind::disk, "cannot finish the picture " + path_ + ": " + std::strerror(errno));
-    done_ = true;
-  }
-
- private:
-  std::string path_, temporary_;
-  bool done_ = false;
-};
-
 void write_pixels(const std::string& path, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels, OIIO::stride_t row_stride,
                   bool overwrite) {
   check_picture_path(path, overwrite);
   auto writer = writer_for(path);
   // OpenImageIO would store the time of writing otherwise.
   spec.attribute("DateTime", "");
-  PendingFile file(path);
-  const bool written = writer->open(file.temporary(), spec) &&
+  StagedFiles files(path, overwrite);
+  const bool written = writer->open(files.staged(), spec) &&
                        writer->write_image(type, pixels, OIIO::AutoStride, row_stride) && writer->close();
   if (!written) {
     const std::string reason = writer->geterror();
     throw Error(ErrorKind::disk, "cannot write the picture " + path + (reason.empty() ? "" : ": " + reason));
   }
-  file.commit(overwrite);
+  files.publish();
 }
 
 float linear_light(std::uint8_t value) {
@@ -117,16 +82,7 @@ Picture repeat_pixels(const Picture& picture, std::int64_t across, std::int64_t 
 
 void check_picture_path(const std::string& path, bool overwrite) {
   writer_for(path);
-  std::error_code ignored;
-  const fs::path folder = fs::path(path).parent_path();
-  const std::string folder_name = folder.empty() ? "." : folder.string();
-  if (!fs::is_directory(folder_name, ignored))
-    throw Error(ErrorKind::disk, "cannot write the picture " + path + ": there is no folder " + folder_name);
-  if (fs::is_directory(path, ignored)) throw Error(ErrorKind::disk, "cannot write the picture " + path + ": it is a folder");
-  if (!overwrite && fs::exists(path, ignored))
-    throw Error(ErrorKind::disk, "the picture " + path + " exists; choose another name or give --overwrite");
-  if (access(folder_name.c_str(), W_OK) != 0)
-    throw Error(ErrorKind::disk, "cannot write the picture " + path + ": the folder " + folder_name + " cannot be written to");
+  StagedFiles(path, overwrite);  // makes its folder and removes it again
 }
 
 void write_picture(const std::string& path, const Picture& picture, bool overwrite) {

@@ -37,6 +37,20 @@ class ViewSource final : public RasterSource {
   RasterView<const float> cells_;
 };
 
+/// A window of another source, which must outlive it.
+class CroppedSource final : public RasterSource {
+ public:
+  CroppedSource(const RasterSource& source, const Window& window) : source_(source), window_(window) {}
+  Size size() const override { return window_.size(); }
+  void read(const Window& window, RasterView<float> out) const override {
+    source_.read({window_.x + window.x, window_.y + window.y, window.width, window.height}, out);
+  }
+
+ private:
+  const RasterSource& source_;
+  Window window_;
+};
+
 /// Writes band 0 to cells in memory; other bands are dropped.
 class ViewSink final : public RasterSink {
  public:
