@@ -1,15 +1,10 @@
 #pragma once
 
-#include <memory>
-
 #include <CLI/CLI.hpp>
-
-#include "tools/command.h"
 
 namespace arete::tools {
 
 // One file per verb: each adds its options and its action to the command line.
-void add_compare(CLI::App& app, std::shared_ptr<CommonOptions> common);
-void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common);
+// (Declared as they are implemented.)
 
 }  // namespace arete::tools

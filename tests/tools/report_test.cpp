@@ -1,0 +1,46 @@
+#include "tools/report.h"
+
+#include <cstdio>
+#include <fstream>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "core/support/error.h"
+
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// Test vectors of RFC 4648, section 10.
+TEST(Base64, AgreesWithTheStandard) {
+  EXPECT_EQ(arete::tools::base64(""), "");
+  EXPECT_EQ(arete::tools::base64("f"), "Zg==");
+  EXPECT_EQ(arete::tools::base64("fo"), "Zm8=");
+  EXPECT_EQ(arete::tools::base64("foo"), "Zm9v");
+  EXPECT_EQ(arete::tools::base64("foob"), "Zm9vYg==");
+  EXPECT_EQ(arete::tools::base64("fooba"), "Zm9vYmE=");
+  EXPECT_EQ(arete::tools::base64("foobar"), "Zm9vYmFy");
+  EXPECT_EQ(arete::tools::base64("\xff\xfe\x01"), "//4B");
+}
+
+TEST(Report, HoldsItsPicturesAndEscapesText) {
+  const std::string png = testing::TempDir() + "/arete-report.png";
+  std::ofstream(png) << "foobar";
+  arete::tools::Report report{.title = "Fish & <chips>", .columns = {"what"}, .rows = {{"a<b"}}, .pictures = {{"A \"picture\"", png}}};
+  const std::string html = write_html(report);
+  std::remove(png.c_str());
+  EXPECT_THAT(html, HasSubstr("<title>Fish &amp; &lt;chips&gt;</title>"));
+  EXPECT_THAT(html, HasSubstr("src=\"data:image/png;base64,Zm9vYmFy\""));
+  EXPECT_THAT(html, HasSubstr("<td>a&lt;b</td>"));
+  EXPECT_THAT(html, Not(HasSubstr("http")));
+}
+
+TEST(Report, AMissingPictureIsAnError) {
+  arete::tools::Report report{.title = "t", .pictures = {{"none", testing::TempDir() + "/arete-no-such.png"}}};
+  EXPECT_THROW(write_html(report), arete::Error);
+}
+
+}  // namespace

@@ -1,0 +1,87 @@
+#include "tools/report.h"
+
+#include <cstdint>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "core/support/error.h"
+
+namespace arete::tools {
+namespace {
+
+constexpr const char* style = R"(
+:root { color-scheme: light dark; --line: #8886; }
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 1200px; margin: 2rem auto; padding: 0 1rem; }
+h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2rem; }
+p { max-width: 46rem; }
+figure { margin: 1.5rem 0; } img { max-width: 100%; height: auto; display: block; }
+figcaption { max-width: 46rem; margin-top: .4rem; opacity: .8; }
+.wide { overflow-x: auto; } table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: .3rem .8rem; text-align: right; border-bottom: 1px solid var(--line); }
+th:first-child, td:first-child { text-align: left; } th { vertical-align: bottom; }
+pre { overflow-x: auto; padding: .8rem; border: 1px solid var(--line); border-radius: 4px; }
+footer { margin-top: 2rem; font-size: .9rem; opacity: .7; }
+)";
+
+std::string escape(const std::string& text) {
+  std::string safe;
+  for (const char c : text) switch (c) {
+      case '&': safe += "&amp;"; break;
+      case '<': safe += "&lt;"; break;
+      case '>': safe += "&gt;"; break;
+      case '"': safe += "&quot;"; break;
+      default: safe += c;
+    }
+  return safe;
+}
+
+std::string read_bytes(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  if (!file && !file.eof()) throw Error(ErrorKind::disk, path + ": cannot read the picture for the report");
+  if (bytes.empty()) throw Error(ErrorKind::disk, path + ": the picture for the report is missing or empty");
+  return bytes;
+}
+
+}  // namespace
+
+std::string base64(const std::string& bytes) {
+  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    std::uint32_t group = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+std::string write_html(const Report& report) {
+  std::ostringstream out;
+  out << "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>"
+      << escape(report.title) << "</title>\n<style>" << style << "</style>\n</head>\n<body>\n<h1>" << escape(report.title) << "</h1>\n";
+  for (const std::string& paragraph : report.introduction) out << "<p>" << escape(paragraph) << "</p>\n";
+
+  out << "<h2>Figures</h2>\n<div class=\"wide\"><table>\n<tr>";
+  for (const std::string& column : report.columns) out << "<th>" << escape(column) << "</th>";
+  out << "</tr>\n";
+  for (const auto& row : report.rows) {
+    out << "<tr>";
+    for (const std::string& cell : row) out << "<td>" << escape(cell) << "</td>";
+    out << "</tr>\n";
+  }
+  out << "</table></div>\n<p>" << escape(report.table_note) << "</p>\n<h2>Pictures</h2>\n";
+  for (const Report::Picture& picture : report.pictures)
+    out << "<figure><img alt=\"" << escape(picture.caption) << "\" src=\"data:image/png;base64," << base64(read_bytes(picture.png))
+        << "\"><figcaption>" << escape(picture.caption) << "</figcaption></figure>\n";
+  out << "<h2>The same again, step by step</h2>\n<pre>";
+  for (const std::string& command : report.commands) out << escape(command) << '\n';
+  out << "</pre>\n<footer>" << escape(report.footer) << "</footer>\n</body>\n</html>\n";
+  return out.str();
+}
+
+}  // namespace arete::tools
