@@ -1,10 +1,15 @@
 #pragma once
 
+#include <memory>
+
 #include <CLI/CLI.hpp>
+
+#include "tools/command.h"
 
 namespace arete::tools {
 
 // One file per verb: each adds its options and its action to the command line.
-// (Declared as they are implemented.)
+void add_compare(CLI::App& app, std::shared_ptr<CommonOptions> common);
+void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common);
 
 }  // namespace arete::tools

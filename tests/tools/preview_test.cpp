@@ -1,0 +1,100 @@
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "gis/image.h"
+#include "tests/data.h"
+
+namespace arete {
+namespace {
+
+namespace fs = std::filesystem;
+
+class PreviewVerb : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("arete_preview_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    std::ofstream grid(path("hill.asc"));
+    grid << "ncols 40\nnrows 30\nxllcorner 0\nyllcorner 0\ncellsize 25\nNODATA_value -9999\n";
+    for (int y = 0; y < 30; ++y) {
+      for (int x = 0; x < 40; ++x) grid << (x < 5 ? -9999 : 100 + (x * y) % 50) << ' ';
+      grid << '\n';
+    }
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string text(const std::string& name) const {
+    std::ifstream file(path(name), std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  int preview(const std::string& arguments) const {
+    return WEXITSTATUS(std::system((std::string(ARETE_TOOL) + " preview " + arguments + " > " + path("out") + " 2> " + path("err")).c_str()));
+  }
+  fs::path folder_;
+};
+
+TEST_F(PreviewVerb, DrawsAPictureAndSaysWhatItShows) {
+  ASSERT_EQ(preview(path("hill.asc") + " " + path("hill.png") + " --no-legend --json"), 0) << text("err");
+  const auto data = nlohmann::json::parse(text("out"));
+  EXPECT_EQ(data["low_m"], 100);
+  EXPECT_EQ(data["high_m"], 149);
+  const Picture picture = read_picture(path("hill.png"));
+  EXPECT_EQ(picture.width(), 1000);  // 25 times larger
+  EXPECT_EQ(picture.height(), 750);
+  EXPECT_EQ(data["metres_per_pixel"], 1);
+}
+
+TEST_F(PreviewVerb, TheLegendStandsUnderTheMap) {
+  if (find_font().empty()) GTEST_SKIP() << "no font; install fonts-dejavu-core";
+  ASSERT_EQ(preview(path("hill.asc") + " " + path("hill.png")), 0);
+  EXPECT_GT(read_picture(path("hill.png")).height(), 800);
+}
+
+TEST_F(PreviewVerb, HasTheSameBytesForAnyThreadCount) {
+  ASSERT_EQ(preview(path("hill.asc") + " " + path("a.png") + " --threads 1"), 0);
+  ASSERT_EQ(preview(path("hill.asc") + " " + path("b.png") + " --threads 4"), 0);
+  EXPECT_EQ(text("a.png"), text("b.png"));
+}
+
+TEST_F(PreviewVerb, RefusesBadArgumentsAndWritesNothing) {
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("a.png") + " --ramp rainbow"), 2);
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("a.png") + " --azimuth north"), 2);
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("a.xyz")), 4);
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("none/a.png")), 5);
+  EXPECT_EQ(preview(path("none.asc") + " " + path("a.png")), 3);
+  const std::string err = text("err");
+  EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1);
+  EXPECT_FALSE(fs::exists(path("a.png")));
+}
+
+TEST_F(PreviewVerb, NeverReplacesAPictureUnlessTold) {
+  std::ofstream(path("a.png")) << "mine";
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("a.png")), 5);
+  EXPECT_EQ(text("a.png"), "mine");
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("a.png") + " --overwrite"), 0);
+}
+
+TEST_F(PreviewVerb, DrawsEveryAwkwardFile) {
+  const std::string folder = test_data("edge-cases");
+  if (folder.empty()) GTEST_SKIP() << "no development data: set ARETE_TEST_DATA";
+  int drawn = 0;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    const std::string extension = entry.path().extension().string();
+    if (extension != ".tif" && extension != ".png") continue;
+    const std::string rgb = extension == ".png" ? " --terrain-rgb" : "";
+    EXPECT_EQ(preview(entry.path().string() + " " + path("edge.png") + " --overwrite" + rgb), 0) << entry.path() << text("err");
+    ++drawn;
+  }
+  EXPECT_GE(drawn, 9);
+}
+
+}  // namespace
+}  // namespace arete

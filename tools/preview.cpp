@@ -1,0 +1,90 @@
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "gis/colour_ramp.h"
+#include "gis/dem_file.h"
+#include "gis/relief.h"
+#include "tools/command.h"
+#include "tools/verbs.h"
+
+namespace arete::tools {
+namespace {
+
+struct PreviewArguments {
+  std::string input, output, ramp = "land", azimuth = "multi";
+  std::int64_t width = 0;
+  double exaggeration = 0;
+  bool no_legend = false, terrain_rgb = false;
+  int band = 1;
+};
+
+std::optional<double> parse_azimuth(const std::string& text) {
+  if (text == "multi") return std::nullopt;
+  std::size_t read = 0;
+  double degrees = 0;
+  try {
+    degrees = std::stod(text, &read);
+  } catch (const std::exception&) {
+    read = 0;
+  }
+  if (read != text.size() || text.empty() || !(degrees >= 0 && degrees <= 360))
+    throw Error(ErrorKind::usage, "--azimuth takes 'multi' or degrees from 0 to 360, not '" + text + "'");
+  return degrees;
+}
+
+void run_preview(const PreviewArguments& arguments, const CommonOptions& common) {
+  ReliefOptions options;
+  options.ramp = arguments.ramp;
+  options.width = arguments.width;
+  options.exaggeration = arguments.exaggeration;
+  options.azimuth_deg = parse_azimuth(arguments.azimuth);
+  options.legend = !arguments.no_legend;
+  options.threads = common.threads;
+  check_picture_path(arguments.output, common.overwrite);
+  const DemReader dem(arguments.input, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb});
+  options.metric = dem.georeference().transform.has_value();
+  if (options.legend && find_font().empty())
+    warn(common, "no font found, the legend is left out: install fonts-dejavu-core or set ARETE_FONT");
+
+  const auto progress = make_progress(common);
+  const Relief relief = draw_relief(dem, dem.cell_size(), options, *progress);
+  write_picture(arguments.output, relief.picture, common.overwrite);
+
+  if (std::isnan(relief.low_m)) warn(common, "'" + arguments.input + "' has no valid cell");
+  char range[96] = "no elevation";
+  if (!std::isnan(relief.low_m)) std::snprintf(range, sizeof range, "%.1f to %.1f m", relief.low_m, relief.high_m);
+  char text[256];
+  std::snprintf(text, sizeof text, ": %lld x %lld pixels of %.4g m, elevations %s, relief exaggerated %g times\n",
+                static_cast<long long>(relief.picture.width()), static_cast<long long>(relief.picture.height()),
+                relief.metres_per_pixel, range, relief.exaggeration);
+  const auto finite = [](double value) { return std::isfinite(value) ? nlohmann::json(value) : nlohmann::json(nullptr); };
+  print_result(common, arguments.output + text,
+               {{"picture", arguments.output}, {"width", relief.picture.width()}, {"height", relief.picture.height()},
+                {"metres_per_pixel", relief.metres_per_pixel}, {"low_m", finite(relief.low_m)}, {"high_m", finite(relief.high_m)},
+                {"exaggeration", relief.exaggeration}});
+}
+
+}  // namespace
+
+void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
+  const auto arguments = std::make_shared<PreviewArguments>();
+  CLI::App* verb = add_verb(app, "preview", "Draw a DEM as a shaded relief map with legend and scale bar", "arete preview dem.tif relief.png",
+                            common, [arguments, common] { run_preview(*arguments, *common); });
+  verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens")->required();
+  verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr")->required();
+  verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
+  verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048)")
+      ->check(CLI::Range(16, 20000));
+  verb->add_option("--exaggeration", arguments->exaggeration,
+                   "Heights for the light are multiplied by this (default: by the steepness of the terrain)")
+      ->check(CLI::PositiveNumber);
+  verb->add_option("--azimuth", arguments->azimuth, "Light: 'multi' for four about the north-west (default), or one from so many degrees");
+  verb->add_flag("--no-legend", arguments->no_legend, "The map alone");
+  verb->add_option("--band", arguments->band, "Band, counted from 1 (default: 1)")->check(CLI::PositiveNumber);
+  verb->add_flag("--terrain-rgb", arguments->terrain_rgb, "The input is a Mapbox terrain-RGB picture");
+}
+
+}  // namespace arete::tools
