@@ -71,10 +71,12 @@ std::string ascii(const std::string& text) {
   return plain;
 }
 
-Picture repeat_pixels(const Picture& picture, std::int64_t across, std::int64_t down) {
-  Picture larger(picture.width() * across, picture.height() * down);
-  for (std::int64_t y = 0; y < larger.height(); ++y)
-    for (std::int64_t x = 0; x < larger.width(); ++x) larger(x, y) = picture(x / across, y / down);
+Picture repeat_pixels(const Picture& picture, std::int64_t width, std::int64_t height) {
+  Picture larger(width, height);
+  // The source pixel that the centre of the new one lies in, in whole numbers.
+  for (std::int64_t y = 0; y < height; ++y)
+    for (std::int64_t x = 0; x < width; ++x)
+      larger(x, y) = picture((2 * x + 1) * picture.width() / (2 * width), (2 * y + 1) * picture.height() / (2 * height));
   return larger;
 }
 
@@ -137,8 +139,8 @@ Picture read_picture(const std::string& path) {
 }
 
 Picture resize_picture(const Picture& picture, std::int64_t width, std::int64_t height) {
-  if (width % picture.width() == 0 && height % picture.height() == 0)
-    return repeat_pixels(picture, width / picture.width(), height / picture.height());
+  const bool whole = width % picture.width() == 0 && height % picture.height() == 0;
+  if (whole || (width >= 2 * picture.width() && height >= 2 * picture.height())) return repeat_pixels(picture, width, height);
   Picture source = picture, resized(width, height);
   // The filter must not mix the hidden colour of a transparent pixel into its neighbours.
   OIIO::ImageBuf from = wrap(source), to = wrap(resized), light;

@@ -46,7 +46,8 @@ void check_picture_path(const std::string& path, bool overwrite);
 /// Reads a picture of 8 or 16 bits back as 8 bits. Throws Error{input}.
 Picture read_picture(const std::string& path);
 
-/// Resized to width x height. Where every pixel only grows by a whole factor it is repeated; otherwise a triangle filter.
+/// Resized to width x height. Where both sides grow by a whole factor, or to twice their length or more, pixels are repeated and
+/// stay sharp; otherwise a triangle filter.
 Picture resize_picture(const Picture& picture, std::int64_t width, std::int64_t height);
 
 /// Copies `from` onto `to` with its upper left corner at (x, y), mixed by its opacity; what lies outside is left out.

@@ -75,13 +75,13 @@ std::string format_tick(double value, double step) {
   return text;
 }
 
-int font_size_for(std::int64_t width) { return static_cast<int>(std::clamp<std::int64_t>(width / 60, 13, 30)); }
+int font_size_for(std::int64_t width) { return static_cast<int>(std::clamp<std::int64_t>(width / 72, 13, 28)); }
 
 Picture hatching(std::int64_t width, std::int64_t height) {
-  Picture picture(width, height, {244, 243, 240, 255});
+  Picture picture(width, height, {228, 225, 231, 255});
   for (std::int64_t y = 0; y < height; ++y)
     for (std::int64_t x = 0; x < width; ++x)
-      if ((x + y) % 9 < 2) picture(x, y) = {214, 212, 207, 255};
+      if ((x + y) % 9 < 2) picture(x, y) = {205, 200, 211, 255};
   return picture;
 }
 

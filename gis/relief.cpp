@@ -260,7 +260,7 @@ Relief draw_relief_panels(const std::vector<ReliefPanel>& panels, int columns, c
 
   const auto count = static_cast<std::int64_t>(panels.size()), across = columns > 0 ? std::min<std::int64_t>(columns, count) : count;
   const std::int64_t rows = (count + across - 1) / across, gap = 10;
-  const int font = std::clamp(static_cast<int>(width / 30), 13, 24);
+  const int font = std::clamp(static_cast<int>(width / 26), 13, 26);
   const std::int64_t head = 2 * font;
   Picture sheet(across * width + (across + 1) * gap, rows * (head + pixels.height + gap));
   for (std::int64_t i = 0; i < count; ++i) {
@@ -304,7 +304,7 @@ Relief draw_difference_map(const RasterSource& reference, const RasterSource& re
   const ColourRamp ramp = difference_ramp();
   const double limit = limit_m > 0 ? limit_m : 1;
   bool voids = false;
-  const Picture cells = paint(grounds[0], light_of(grounds[0], scale.exaggeration, options), 0.45, options.threads, [&](std::int64_t i) {
+  const Picture cells = paint(grounds[0], light_of(grounds[0], scale.exaggeration, options), 0.3, options.threads, [&](std::int64_t i) {
     const float error = difference.overview.cells.data()[i];
     return is_void(error) || is_void(grounds[0].overview.cells.data()[i]) ? void_colour
                                                                          : ramp.at(0.5 + static_cast<double>(error) / limit / 2);

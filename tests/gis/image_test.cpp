@@ -127,6 +127,14 @@ TEST_F(Image, AWholeFactorRepeatsPixels) {
     for (std::int64_t x = 0; x < 51; ++x) EXPECT_EQ(larger(x, y), gradient()(x / 3, y / 2));
 }
 
+TEST_F(Image, MuchLargerPixelsStaySharp) {
+  const Picture picture = gradient(), larger = resize_picture(picture, 45, 31);
+  for (std::int64_t y = 0; y < 31; ++y)
+    for (std::int64_t x = 0; x < 45; ++x)
+      EXPECT_EQ(larger(x, y), picture(static_cast<std::int64_t>((static_cast<double>(x) + 0.5) * 17 / 45),
+                                      static_cast<std::int64_t>((static_cast<double>(y) + 0.5) * 9 / 31)));
+}
+
 TEST_F(Image, ShrinkingDoesNotMixInHiddenColours) {
   Picture picture(40, 40, {200, 100, 50, 255});
   for (std::int64_t y = 0; y < 40; ++y)
