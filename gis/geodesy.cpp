@@ -5,10 +5,13 @@
 #include <GeographicLib/Geodesic.hpp>
 #include <ogr_spatialref.h>
 
+#include "gis/gdal_errors.h"
+
 namespace arete {
 
 CellSize cell_size(const GeoReference& geo, Size size) {
   if (!geo.transform) return {1, 1};
+  const GdalErrors quiet;
   const auto& t = *geo.transform;
   OGRSpatialReference crs;
   const bool known = !geo.crs_wkt.empty() && crs.importFromWkt(geo.crs_wkt.c_str()) == OGRERR_NONE;

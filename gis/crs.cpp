@@ -1,0 +1,69 @@
+#include "gis/crs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <ogr_spatialref.h>
+
+#include "gis/gdal_errors.h"
+
+namespace arete {
+namespace {
+
+std::string authority_of(const OGRSpatialReference& crs, const char* part) {
+  const char* name = crs.GetAuthorityName(part);
+  const char* code = crs.GetAuthorityCode(part);
+  return name != nullptr && code != nullptr ? std::string(name) + ":" + code : "";
+}
+
+std::string text(const char* value) { return value == nullptr ? "" : value; }
+
+}  // namespace
+
+CrsSummary summarise_crs(const std::string& wkt) {
+  const GdalErrors quiet;
+  OGRSpatialReference crs;
+  if (wkt.empty() || crs.importFromWkt(wkt.c_str()) != OGRERR_NONE) return {};
+  CrsSummary summary;
+  if (crs.IsCompound() || crs.IsVertical()) {
+    summary.vertical_name = text(crs.GetAttrValue("VERT_CS"));
+    summary.vertical_authority = authority_of(crs, crs.IsCompound() ? "COMPD_CS|VERT_CS" : "VERT_CS");
+  }
+  if (crs.IsCompound()) crs.StripVertical();
+  summary.name = text(crs.GetName());
+  if (authority_of(crs, nullptr).empty()) crs.AutoIdentifyEPSG();
+  summary.authority = authority_of(crs, nullptr);
+  summary.geographic = crs.IsGeographic() != FALSE;
+  const char* unit = nullptr;
+  if (summary.geographic)
+    crs.GetAngularUnits(&unit);
+  else
+    crs.GetLinearUnits(&unit);
+  summary.unit = text(unit);
+  return summary;
+}
+
+std::optional<GeographicExtent> geographic_extent(const GeoReference& geo, Size size) {
+  const GdalErrors quiet;
+  OGRSpatialReference from, to;
+  if (!geo.transform || geo.crs_wkt.empty() || from.importFromWkt(geo.crs_wkt.c_str()) != OGRERR_NONE) return std::nullopt;
+  if (from.IsCompound()) from.StripVertical();
+  if (to.SetWellKnownGeogCS("WGS84") != OGRERR_NONE) return std::nullopt;
+  from.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  to.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> change(OGRCreateCoordinateTransformation(&from, &to));
+  if (!change) return std::nullopt;
+
+  const auto& t = *geo.transform;
+  const auto width = static_cast<double>(size.width), height = static_cast<double>(size.height);
+  const auto [left, right] = std::minmax({t[0], t[0] + width * t[1], t[0] + height * t[2], t[0] + width * t[1] + height * t[2]});
+  const auto [bottom, top] = std::minmax({t[3], t[3] + width * t[4], t[3] + height * t[5], t[3] + width * t[4] + height * t[5]});
+  GeographicExtent extent;
+  if (!change->TransformBounds(left, bottom, right, top, &extent.west, &extent.south, &extent.east, &extent.north, 20))
+    return std::nullopt;
+  if (!std::isfinite(extent.west + extent.south + extent.east + extent.north)) return std::nullopt;
+  return extent;
+}
+
+}  // namespace arete

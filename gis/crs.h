@@ -1,0 +1,32 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "core/terrain/georeference.h"
+
+namespace arete {
+
+/// A coordinate reference system in words. Empty strings where unknown.
+struct CrsSummary {
+  std::string name;                ///< "WGS 84 / UTM zone 32N"; without the vertical part
+  std::string authority;           ///< "EPSG:32632"
+  std::string unit;                ///< of the horizontal coordinates: "degree", "metre"
+  std::string vertical_name;       ///< "EGM96 height"
+  std::string vertical_authority;  ///< "EPSG:5773"
+  bool geographic = false;         ///< coordinates are longitude and latitude
+};
+
+/// Empty for an empty or unreadable WKT.
+CrsSummary summarise_crs(const std::string& wkt);
+
+/// Longitudes and latitudes in degrees on WGS 84. West is larger than east where the antimeridian lies between.
+struct GeographicExtent {
+  double west = 0, south = 0, east = 0, north = 0;
+};
+
+/// What a raster covers, its border followed with 20 points on each side. Nullopt where it has no transform or no CRS, or where
+/// the CRS cannot be related to WGS 84.
+std::optional<GeographicExtent> geographic_extent(const GeoReference& geo, Size size);
+
+}  // namespace arete
