@@ -30,7 +30,8 @@ struct DemDescription {
   double scale = 1;       ///< elevation = scale x stored + offset, in the vertical unit
   double offset = 0;
   bool south_up = false;  ///< the file's rows run from south to north; here they are turned
-  bool unit_known = true; ///< false: the file names a vertical unit that is not known, and it was taken as the metre
+  bool unit_stated = false;  ///< the file states a vertical unit; else metres are assumed
+  bool unit_known = true;    ///< false: the file names a vertical unit that is not known, and it was taken as the metre
   std::map<std::string, std::string> metadata;  ///< of the dataset
 };
 

@@ -211,11 +211,13 @@ void DemReader::Impl::georeference() {
   const char* registration = dataset->GetMetadataItem("AREA_OR_POINT");
   if (registration != nullptr && EQUAL(registration, "Point")) geo.registration = Registration::point;
   if (is_nodata.declared) geo.nodata = is_nodata.value;
+  about.unit_stated = options.terrain_rgb;  // its formula gives metres
   if (options.terrain_rgb) return;
   const VerticalUnit unit = vertical_unit(band->GetUnitType(), geo.crs_wkt);
   geo.vertical_unit = unit.name;
   geo.metres_per_unit = unit.metres;
   about.unit_known = unit.known;
+  about.unit_stated = unit.stated;
 }
 
 void DemReader::Impl::fetch(GDALRasterBand& from, const Window& w, void* to, GDALDataType type) const {

@@ -51,15 +51,15 @@ std::optional<VerticalUnit> unit_of_vertical_axis(const std::string& crs_wkt) {
   const char* name = nullptr;
   const double metres = crs.GetTargetLinearUnits("VERT_CS", &name);
   if (name == nullptr || !std::isfinite(metres) || metres <= 0) return std::nullopt;
-  return VerticalUnit{metres == 1 ? "m" : name, metres, true};
+  return VerticalUnit{metres == 1 ? "m" : name, metres, true, true};
 }
 
 }  // namespace
 
 VerticalUnit vertical_unit(const std::string& band_unit, const std::string& crs_wkt) {
   if (!band_unit.empty()) {
-    if (const auto metres = metres_of(band_unit)) return {band_unit, *metres, true};
-    return {band_unit, 1, false};
+    if (const auto metres = metres_of(band_unit)) return {band_unit, *metres, true, true};
+    return {band_unit, 1, false, true};
   }
   if (const auto unit = unit_of_vertical_axis(crs_wkt)) return *unit;
   return {};

@@ -150,7 +150,8 @@ void warn(const CommonOptions& common, const std::string& message) {
 void print_result(const CommonOptions& common, const std::string& text, const nlohmann::json& data) {
   wipe_bar();
   if (common.json)
-    std::cout << data.dump(2) << '\n';
+    // Names in a file may be in any encoding; JSON is UTF-8.
+    std::cout << data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   else
     std::cout << text;
 }

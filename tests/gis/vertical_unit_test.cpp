@@ -40,6 +40,8 @@ TEST(VerticalUnit, OfTheBandComesBeforeThatOfTheCrs) {
   EXPECT_EQ(vertical_unit("", wkt_of("EPSG:32632+5773")).name, "m");
   // Feet across say nothing about feet up: NAD83 / Texas Central (ftUS).
   EXPECT_EQ(vertical_unit("", wkt_of("EPSG:2277")).metres, 1);
+  EXPECT_FALSE(vertical_unit("", wkt_of("EPSG:2277")).stated);
+  EXPECT_TRUE(vertical_unit("", feet).stated);
 }
 
 }  // namespace
