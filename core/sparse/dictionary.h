@@ -25,8 +25,10 @@ enum class LearningMethod : std::uint8_t { all = 0, ksvd = 1, constrained = 2 };
 ///
 /// A patch is m x m samples (m even), row-major, minus its plain mean, times the disc weight of PatchGrid. `low` holds such
 /// patches as unit columns. With a factor f >= 2, column j of `high` is the same piece of ground f times finer,
-/// (f m) x (f m) samples minus the mean of the low patch, NOT weighted, divided by the norm of the *low* patch; `detail` is the high patch minus the
-/// linear upsampling of its own low-resolution version, divided likewise: the same coefficients rebuild all of them.
+/// (f m) x (f m) samples minus the mean of the low patch, NOT weighted, divided by the norm of the *low* patch: the
+/// same coefficients rebuild both. Column j of `detail` is what the linear upsampler cannot know of that ground: the exemplar minus the
+/// upsampling of its own area average, filtered so that its spectrum continues the input's, scaled to a mean square of 1 under the
+/// squared disc weights; `detail_power` and the activity of the patch give its variance.
 struct Dictionary {
   LearningMethod method = LearningMethod::all;
   int patch_cells = 8;            ///< m, of the low-resolution grid
@@ -38,6 +40,8 @@ struct Dictionary {
   std::vector<AtomSource> sources;      ///< N
   std::vector<std::string> exemplars;   ///< names of the files that the atoms come from
   std::optional<Upsampler> upsampler;
+  double detail_power = 0;         ///< variance of the detail at activity 1 (core/amplify/activity.h)
+  double coarse_detail_power = 0;  ///< the same, measured one factor coarser, on the exemplars' low-resolution versions; 0 if too small
   std::string provenance;         ///< how it was made: the command, as text
   std::int64_t atoms() const { return low.cols(); }
 };
