@@ -15,7 +15,7 @@
 namespace arete {
 namespace {
 
-constexpr std::int64_t calibration_side = 256;  // coarse cells
+constexpr std::int64_t calibration_side = 512;  // coarse cells
 constexpr int calibration_turns = 2;
 
 /// An exemplar taken apart: what its area average cannot tell.

@@ -33,6 +33,6 @@ void add_detail(Dictionary& dictionary, const std::vector<RasterView<const float
 
 /// Share of the true power that natural detail has, in the finest octave and in the coarser ones.
 inline constexpr double natural_share_finest = 0.95;
-inline constexpr double natural_share = 0.86;
+inline constexpr double natural_share = 0.90;
 
 }  // namespace arete
