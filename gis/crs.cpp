@@ -6,6 +6,7 @@
 
 #include <ogr_spatialref.h>
 
+#include "core/support/error.h"
 #include "gis/gdal_errors.h"
 
 namespace arete {
@@ -42,6 +43,19 @@ CrsSummary summarise_crs(const std::string& wkt) {
     crs.GetLinearUnits(&unit);
   summary.unit = text(unit);
   return summary;
+}
+
+std::string crs_wkt(const std::string& definition) {
+  const GdalErrors errors;
+  OGRSpatialReference crs;
+  if (crs.SetFromUserInput(definition.c_str()) != OGRERR_NONE)
+    throw Error(ErrorKind::usage, definition + ": no such coordinate reference system" + errors.suffix());
+  char* wkt = nullptr;
+  const char* const options[] = {"FORMAT=WKT2_2019", nullptr};
+  crs.exportToWkt(&wkt, options);
+  const std::string result = wkt == nullptr ? "" : wkt;
+  CPLFree(wkt);
+  return result;
 }
 
 std::optional<GeographicExtent> geographic_extent(const GeoReference& geo, Size size) {

@@ -20,6 +20,9 @@ struct CrsSummary {
 /// Empty for an empty or unreadable WKT.
 CrsSummary summarise_crs(const std::string& wkt);
 
+/// WKT2 of what a user calls a CRS: "EPSG:32632", WKT, a PROJ string. Throws Error{usage} where no such CRS is known.
+std::string crs_wkt(const std::string& definition);
+
 /// Longitudes and latitudes in degrees on WGS 84. West is larger than east where the antimeridian lies between.
 struct GeographicExtent {
   double west = 0, south = 0, east = 0, north = 0;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <ogr_spatialref.h>
 
+#include "core/support/error.h"
+
 namespace arete {
 namespace {
 
@@ -68,6 +70,13 @@ TEST(GeographicExtent, NeedsATransformAndACrs) {
   EXPECT_FALSE(geographic_extent(geo, {4, 2}));
   geo.transform = {9.5, 0.25, 0, 47, 0, -0.25};
   EXPECT_FALSE(geographic_extent(geo, {4, 2}));
+}
+
+TEST(CrsWkt, UnderstandsCodesAndRefusesNonsense) {
+  EXPECT_EQ(summarise_crs(crs_wkt("EPSG:32632")).name, "WGS 84 / UTM zone 32N");
+  EXPECT_EQ(summarise_crs(crs_wkt("+proj=longlat +datum=WGS84")).geographic, true);
+  EXPECT_THROW(crs_wkt("EPSG:1"), Error);
+  EXPECT_THROW(crs_wkt("somewhere"), Error);
 }
 
 }  // namespace
