@@ -53,6 +53,8 @@ struct RealDem {
   Registration registration;
 };
 
+void PrintTo(const RealDem& dem, std::ostream* out) { *out << dem.name; }
+
 class RealDems : public testing::TestWithParam<RealDem> {};
 
 TEST_P(RealDems, OpenWithTheSizeTheRangeAndTheVoidsOfTheTable) {
