@@ -70,6 +70,13 @@ void Correlate(const PackedAtoms& atoms, const float* signals, std::int64_t coun
   }
 }
 
+float Correlation(const float* atom, const float* signal, std::int64_t samples) {
+  const hn::CappedTag<float, 1> one;
+  auto sum = hn::Zero(one);
+  for (std::int64_t k = 0; k < samples; ++k) sum = hn::MulAdd(hn::LoadU(one, signal + k), hn::LoadU(one, atom + k), sum);
+  return hn::GetLane(sum);
+}
+
 // The strongest so far in each lane: the value with its sign, and the panel that it came from.
 struct Leader {
   HWY_ALIGN float value[kPanel];
@@ -172,6 +179,7 @@ HWY_AFTER_NAMESPACE();
 namespace arete {
 
 HWY_EXPORT(Correlate);
+HWY_EXPORT(Correlation);
 HWY_EXPORT(StrongestAtoms);
 HWY_EXPORT(SubtractAndFindStrongest);
 
@@ -188,6 +196,10 @@ PackedAtoms::PackedAtoms(const Eigen::Ref<const Eigen::MatrixXf>& D) : samples_(
 
 void correlate(const PackedAtoms& atoms, const float* signals, std::int64_t count, std::int64_t stride, float* out) {
   HWY_DYNAMIC_DISPATCH(Correlate)(atoms, signals, count, stride, out);
+}
+
+float correlation(const float* atom, const float* signal, std::int64_t samples) {
+  return HWY_DYNAMIC_DISPATCH(Correlation)(atom, signal, samples);
 }
 
 void strongest_atoms(const PackedAtoms& atoms, const float* signals, std::int64_t count, std::int64_t stride, Match* best) {

@@ -39,6 +39,9 @@ class PackedAtoms {
 /// out[i * padded_atoms + j] = <signal i, atom j>, for `count` signals `stride` floats apart. 2 K N count flops.
 void correlate(const PackedAtoms& atoms, const float* signals, std::int64_t count, std::int64_t stride, float* out);
 
+/// The correlation of one signal with one atom, both `samples` floats in a row.
+float correlation(const float* atom, const float* signal, std::int64_t samples);
+
 /// An atom and its correlation with a signal.
 struct Match {
   std::int32_t atom = 0;
