@@ -9,7 +9,7 @@
 #include "core/sparse/atom_search.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -51,8 +51,9 @@ class Search {
   }
 
  private:
-  // Squared distances of a head to the boxes of a group.
-  HWY_INLINE void distances(const float* head, const AtomSearch::Level& level, std::int64_t group, float* out) const {
+  // Squared distances of a head to the boxes of a group; bit i of the result is set where box i may matter.
+  HWY_INLINE std::uint32_t distances(const float* head, const AtomSearch::Level& level, std::int64_t group, float* out) const {
+    std::uint32_t near = 0;
     const Floats d;
     const float* low = level.low.data() + group * kHead * kBranch;
     const float* high = level.high.data() + group * kHead * kBranch;
@@ -66,7 +67,16 @@ class Search {
         sum = hn::MulAdd(outside, outside, sum);
       }
       hn::StoreU(sum, d, out + i);
+      near |= bits(hn::Le(sum, hn::Set(d, farthest()))) << i;
     }
+    return near;
+  }
+
+  template <typename Mask>
+  HWY_INLINE static std::uint32_t bits(Mask mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(Floats(), mask, bytes);
+    return bytes[0] | static_cast<std::uint32_t>(bytes[1]) << 8;
   }
 
   float farthest() const { return 2 * (1 - best_ + tree_.slack); }  // squared, that may still matter
@@ -95,9 +105,9 @@ class Search {
   void visit_level(const float* head, int l, std::int64_t first, std::int64_t count) {
     HWY_ALIGN float distance[kBranch];
     for (std::int64_t g = first; g < first + count; ++g) {
-      distances(head, tree_.levels[l], g, distance);
-      for (std::int64_t i = 0; i < kBranch; ++i) {
-        if (distance[i] > farthest()) continue;
+      for (std::uint32_t near = distances(head, tree_.levels[l], g, distance); near != 0; near &= near - 1) {
+        const std::int64_t i = std::countr_zero(near);
+        if (distance[i] > farthest()) continue;  // which has shrunk since
         if (l == 0)
           visit_leaf(head, g * kBranch + i);
         else
@@ -108,15 +118,18 @@ class Search {
 
   void visit_leaf(const float* head, std::int64_t leaf) {
     const Floats d;
-    HWY_ALIGN float bound[kBranch];
+    const auto least = hn::Set(d, best_ - tree_.slack);
+    std::uint32_t hopeful = 0;
     const float* heads = tree_.heads + leaf * kHead * kBranch;
     for (std::int64_t i = 0; i < kBranch; i += kLanes) {
       auto sum = hn::Zero(d);
       for (std::int64_t c = 0; c < kHead; ++c) sum = hn::MulAdd(hn::Set(d, head[c]), hn::LoadU(d, heads + c * kBranch + i), sum);
-      hn::StoreU(sum, d, bound + i);
+      hopeful |= bits(hn::Ge(sum, least)) << i;
     }
-    for (std::int64_t i = 0; i < kBranch; ++i)
-      if (bound[i] >= best_ - tree_.slack && leaf * kBranch + i < tree_.atoms) measure(leaf * kBranch + i);
+    for (; hopeful != 0; hopeful &= hopeful - 1) {
+      const std::int64_t position = leaf * kBranch + std::countr_zero(hopeful);
+      if (position < tree_.atoms) measure(position);
+    }
   }
 
   // The strength of an atom in full, summed in any order: a finalist is measured again.
@@ -171,14 +184,16 @@ void SearchAll(const AtomSearch::View& tree, const double* basis, const float* s
     const double scale = 1 / std::sqrt(square);
     for (std::int64_t k = 0; k < tree.samples; ++k) unit[static_cast<std::size_t>(k)] = static_cast<float>(signal[k] * scale);
 
+    double coordinates[kHead - 1] = {};
+    for (std::int64_t k = 0; k < tree.samples; ++k)
+      for (std::int64_t c = 0; c < kHead - 1; ++c)
+        coordinates[c] += basis[k * (kHead - 1) + c] * unit[static_cast<std::size_t>(k)];
     float heads[2][kHead];
     double rest = 1;
     for (std::int64_t c = 0; c < kHead - 1; ++c) {
-      double sum = 0;
-      for (std::int64_t k = 0; k < tree.samples; ++k) sum += basis[c * tree.samples + k] * unit[static_cast<std::size_t>(k)];
-      heads[0][c] = static_cast<float>(sum);
+      heads[0][c] = static_cast<float>(coordinates[c]);
       heads[1][c] = -heads[0][c];
-      rest -= sum * sum;
+      rest -= coordinates[c] * coordinates[c];
     }
     heads[0][kHead - 1] = heads[1][kHead - 1] = static_cast<float>(std::sqrt(std::max(0.0, rest)));
     search.run(unit.data(), heads, position);
@@ -191,7 +206,7 @@ void SearchAll(const AtomSearch::View& tree, const double* basis, const float* s
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
-#include <Eigen/QR>
+#include "core/sparse/main_directions.h"
 
 namespace arete {
 
@@ -199,30 +214,12 @@ HWY_EXPORT(SearchAll);
 
 namespace {
 
-// Seven orthonormal directions near the main ones of the atoms, by subspace iteration on a few thousand of them.
-Eigen::MatrixXd main_directions(const Eigen::Ref<const Eigen::MatrixXf>& D) {
-  constexpr Eigen::Index most = 4096;
-  const Eigen::Index count = std::min(D.cols(), most), wanted = std::min<Eigen::Index>(AtomSearch::head - 1, D.rows());
-  Eigen::MatrixXd sample(D.rows(), count);
-  for (Eigen::Index i = 0; i < count; ++i) sample.col(i) = D.col(i * D.cols() / count).cast<double>();
-  Eigen::MatrixXd directions(D.rows(), wanted);
-  for (Eigen::Index c = 0; c < wanted; ++c)
-    for (Eigen::Index k = 0; k < D.rows(); ++k) directions(k, c) = std::cos(static_cast<double>((k + 1) * (c + 1)));
-  for (int round = 0; round < 12; ++round) {
-    const Eigen::MatrixXd turned = sample * (sample.transpose() * directions);
-    directions = Eigen::HouseholderQR<Eigen::MatrixXd>(turned).householderQ() * Eigen::MatrixXd::Identity(D.rows(), wanted);
-  }
-  Eigen::MatrixXd basis = Eigen::MatrixXd::Zero(D.rows(), AtomSearch::head - 1);
-  basis.leftCols(wanted) = directions;
-  return basis;
-}
-
 // head x N: the seven coordinates and the norm of the rest.
 Eigen::MatrixXf heads_of(const Eigen::Ref<const Eigen::MatrixXf>& D, const Eigen::MatrixXd& basis) {
   Eigen::MatrixXf heads(AtomSearch::head, D.cols());
   for (Eigen::Index j = 0; j < D.cols(); ++j) {
     const Eigen::VectorXd atom = D.col(j).cast<double>();
-    const Eigen::VectorXd coordinates = basis.transpose() * atom;
+    const Eigen::VectorXd coordinates = basis * atom;
     heads.col(j).head(AtomSearch::head - 1) = coordinates.cast<float>();
     heads(AtomSearch::head - 1, j) = static_cast<float>(std::sqrt(std::max(0.0, atom.squaredNorm() - coordinates.squaredNorm())));
   }
@@ -264,7 +261,7 @@ constexpr float nowhere = 1e4f;  // coordinate of an absent box: too far from an
 }  // namespace
 
 AtomSearch::AtomSearch(const Eigen::Ref<const Eigen::MatrixXf>& D)
-    : samples_(D.rows()), basis_(main_directions(D)), index_(static_cast<std::size_t>(D.cols())) {
+    : samples_(D.rows()), basis_(main_directions(D, head - 1)), index_(static_cast<std::size_t>(D.cols())) {
   const Eigen::MatrixXf heads = heads_of(D, basis_);
   std::iota(index_.begin(), index_.end(), 0);
   order_as_tree(heads, index_, 0, atoms());

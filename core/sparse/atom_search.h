@@ -55,7 +55,7 @@ class AtomSearch {
   void build_levels();
 
   std::int64_t samples_ = 0;
-  Eigen::MatrixXd basis_;            // K x 7, orthonormal
+  Eigen::MatrixXd basis_;            // 7 x K, orthonormal rows
   std::vector<std::int32_t> index_;  // tree order -> column of D
   std::vector<float> rows_;
   std::vector<float> heads_;

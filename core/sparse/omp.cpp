@@ -84,18 +84,22 @@ void for_each_batch(std::int64_t count, int threads, const Batch& batch) {
   });
 }
 
-// The strongest atom of each residual, by the plain search.
-std::vector<Match> strongest_of_all(const PackedAtoms& atoms, const Eigen::Ref<const Eigen::MatrixXf>& F, int threads) {
+// The strongest atom of each column.
+std::vector<Match> strongest_of_all(const CodingDictionary& dictionary, const Eigen::Ref<const Eigen::MatrixXf>& F, int threads) {
   std::vector<Match> best(static_cast<std::size_t>(F.cols()));
   for_each_batch(F.cols(), threads, [&](std::int64_t begin, std::int64_t end) {
-    strongest_atoms(atoms, F.col(begin).data(), end - begin, F.outerStride(), &best[static_cast<std::size_t>(begin)]);
+    Match* out = &best[static_cast<std::size_t>(begin)];
+    if (dictionary.search)
+      dictionary.search->strongest(F.col(begin).data(), end - begin, F.outerStride(), out);
+    else
+      strongest_atoms(dictionary.atoms, F.col(begin).data(), end - begin, F.outerStride(), out);
   });
   return best;
 }
 
-SparseCodes one_atom_codes(const PackedAtoms& atoms, const Eigen::Ref<const Eigen::MatrixXf>& F, int threads) {
+SparseCodes one_atom_codes(const CodingDictionary& dictionary, const Eigen::Ref<const Eigen::MatrixXf>& F, int threads) {
   SparseCodes codes = empty_codes(1, F.cols());
-  const std::vector<Match> best = strongest_of_all(atoms, F, threads);
+  const std::vector<Match> best = strongest_of_all(dictionary, F, threads);
   for (std::int64_t i = 0; i < F.cols(); ++i) {
     const Match match = best[static_cast<std::size_t>(i)];
     if (match.correlation == 0) continue;
@@ -200,7 +204,7 @@ bool refit(const PackedAtoms& dictionary, const Eigen::Ref<const Eigen::VectorXf
 }
 
 // Without a Gram matrix: one search over the residuals of all signals per atom.
-SparseCodes residual_omp(const PackedAtoms& dictionary, const Eigen::Ref<const Eigen::MatrixXf>& F, int sparsity, int threads) {
+SparseCodes residual_omp(const CodingDictionary& dictionary, const Eigen::Ref<const Eigen::MatrixXf>& F, int sparsity, int threads) {
   SparseCodes codes = empty_codes(sparsity, F.cols());
   Eigen::MatrixXf residuals = F;
   std::vector<float> floors(static_cast<std::size_t>(F.cols()), 0.0f);
@@ -213,7 +217,7 @@ SparseCodes residual_omp(const PackedAtoms& dictionary, const Eigen::Ref<const E
         if (t == 0) floor = std::abs(match.correlation) * least_correlation;
         if (std::abs(match.correlation) <= floor || (t > 0 && codes.atoms(t - 1, i) < 0)) continue;
         codes.atoms(t, i) = match.atom;
-        if (!refit(dictionary, F.col(i), t, codes.atoms.col(i).data(), codes.coefficients.col(i).data(), residuals.col(i)))
+        if (!refit(dictionary.atoms, F.col(i), t, codes.atoms.col(i).data(), codes.coefficients.col(i).data(), residuals.col(i)))
           codes.atoms(t, i) = -1;
       }
     });
@@ -224,21 +228,25 @@ SparseCodes residual_omp(const PackedAtoms& dictionary, const Eigen::Ref<const E
 }  // namespace
 
 CodingDictionary prepare_coding(const Eigen::Ref<const Eigen::MatrixXf>& D, int sparsity, int threads) {
-  CodingDictionary dictionary{PackedAtoms(D), {}};
-  if (sparsity > 1 && D.cols() <= most_gram_atoms) {
-    dictionary.gram.setZero(dictionary.atoms.padded_atoms(), dictionary.atoms.padded_atoms());
-    for_each_batch(D.cols(), threads, [&](std::int64_t begin, std::int64_t end) {
-      correlate(dictionary.atoms, D.col(begin).data(), end - begin, D.outerStride(), dictionary.gram.col(begin).data());
-    });
-  }
+  CodingDictionary dictionary;
+  const bool with_gram = sparsity > 1 && D.cols() <= most_gram_atoms;
+  if (!with_gram && D.cols() >= least_search_atoms) dictionary.search.emplace(D);
+  if (!dictionary.search || sparsity > 1) dictionary.atoms = PackedAtoms(D);
+  if (!with_gram) return dictionary;
+
+  dictionary.gram.setZero(dictionary.atoms.padded_atoms(), dictionary.atoms.padded_atoms());
+  for_each_batch(D.cols(), threads, [&](std::int64_t begin, std::int64_t end) {
+    correlate(dictionary.atoms, D.col(begin).data(), end - begin, D.outerStride(), dictionary.gram.col(begin).data());
+  });
   return dictionary;
 }
 
 SparseCodes omp(const CodingDictionary& dictionary, const Eigen::Ref<const Eigen::MatrixXf>& F, int sparsity, int threads) {
-  assert(sparsity >= 1 && F.rows() == dictionary.atoms.samples());
-  if (F.cols() == 0 || dictionary.atoms.atoms() == 0) return empty_codes(sparsity, F.cols());
-  if (sparsity == 1) return one_atom_codes(dictionary.atoms, F, threads);
-  if (dictionary.gram.size() == 0) return residual_omp(dictionary.atoms, F, sparsity, threads);
+  assert(sparsity >= 1);
+  const std::int64_t atoms = dictionary.search ? dictionary.search->atoms() : dictionary.atoms.atoms();
+  if (F.cols() == 0 || atoms == 0) return empty_codes(sparsity, F.cols());
+  if (sparsity == 1) return one_atom_codes(dictionary, F, threads);
+  if (dictionary.gram.size() == 0) return residual_omp(dictionary, F, sparsity, threads);
   return batch_omp(dictionary, F, sparsity, threads);
 }
 

@@ -9,12 +9,6 @@ namespace arete {
 
 namespace {
 
-struct Row {
-  std::vector<float> values;
-  std::vector<double> means;
-  std::vector<PatchOrigin> origins;
-};
-
 double norm_of(const float* values, std::int64_t count) {
   double sum = 0;
   for (std::int64_t i = 0; i < count; ++i) sum += static_cast<double>(values[i]) * values[i];
@@ -29,20 +23,6 @@ std::vector<std::int64_t> origins_along(const PatchGrid& grid, std::int64_t cell
   else
     for (std::int64_t k = 0; k < patches_along(grid, cells); ++k) origins.push_back(patch_origin(grid, k));
   return origins;
-}
-
-void append_patches_at(RasterView<const float> terrain, const PatchGrid& grid, const PatchOptions& options, std::int64_t x,
-                       std::int64_t y, std::vector<float>& cells, Row& row) {
-  const int symmetries = options.symmetries ? 8 : 1;
-  for (int symmetry = 0; symmetry < symmetries; ++symmetry) {
-    const PatchOrigin origin{x, y, static_cast<std::uint8_t>(symmetry)};
-    if (!cut_cells(terrain, x, y, grid.patch_cells, origin.symmetry, cells.data())) return;
-    const double mean = make_patch(grid, cells.data());
-    if (options.leave_out_flat && is_flat_patch(norm_of(cells.data(), grid.samples()), mean, grid.samples())) return;
-    row.values.insert(row.values.end(), cells.begin(), cells.end());
-    row.means.push_back(mean);
-    row.origins.push_back(origin);
-  }
 }
 
 }  // namespace
@@ -73,30 +53,48 @@ bool is_flat_patch(double norm, double mean, std::int64_t samples) {
   return norm <= std::max(1e-6, 0x1p-20 * std::abs(mean) * std::sqrt(static_cast<double>(samples)));
 }
 
-Patches extract_patches(RasterView<const float> terrain, const PatchGrid& grid, const PatchOptions& options) {
-  const auto xs = origins_along(grid, terrain.width, options.edges);
-  const auto ys = origins_along(grid, terrain.height, options.edges);
-  std::vector<Row> rows(ys.size());
-  if (terrain.width > 0 && terrain.height > 0)
-    parallel_for(static_cast<std::int64_t>(ys.size()), options.threads, [&](std::int64_t j) {
-      const auto index = static_cast<std::size_t>(j);
-      std::vector<float> cells(static_cast<std::size_t>(grid.samples()));
-      for (const std::int64_t x : xs) append_patches_at(terrain, grid, options, x, ys[index], cells, rows[index]);
-    });
+Patches cut_patches(RasterView<const float> terrain, const PatchGrid& grid, const std::vector<PatchOrigin>& origins, bool leave_out_flat,
+                    int threads) {
+  constexpr std::int64_t piece = 1024;
+  const auto count = static_cast<std::int64_t>(origins.size());
+  Patches patches{Eigen::MatrixXf(grid.samples(), count), std::vector<double>(origins.size()), origins};
+  std::vector<char> present(origins.size());
+  parallel_for((count + piece - 1) / piece, threads, [&](std::int64_t p) {
+    for (std::int64_t i = p * piece; i < std::min(count, (p + 1) * piece); ++i) {
+      const auto index = static_cast<std::size_t>(i);
+      float* cells = patches.values.col(i).data();
+      if (!cut_cells(terrain, origins[index].x, origins[index].y, grid.patch_cells, origins[index].symmetry, cells)) continue;
+      patches.means[index] = make_patch(grid, cells);
+      present[index] = !leave_out_flat || !is_flat_patch(norm_of(cells, grid.samples()), patches.means[index], grid.samples());
+    }
+  });
 
-  Patches patches;
-  std::size_t count = 0;
-  for (const Row& row : rows) count += row.means.size();
-  patches.values.resize(grid.samples(), static_cast<Eigen::Index>(count));
-  patches.means.reserve(count);
-  patches.origins.reserve(count);
-  float* to = patches.values.data();
-  for (const Row& row : rows) {
-    to = std::copy(row.values.begin(), row.values.end(), to);
-    patches.means.insert(patches.means.end(), row.means.begin(), row.means.end());
-    patches.origins.insert(patches.origins.end(), row.origins.begin(), row.origins.end());
+  std::int64_t kept = 0;
+  for (std::int64_t i = 0; i < count; ++i) {
+    const auto from = static_cast<std::size_t>(i), to = static_cast<std::size_t>(kept);
+    if (!present[from]) continue;
+    if (kept != i) {
+      std::copy_n(patches.values.col(i).data(), grid.samples(), patches.values.col(kept).data());
+      patches.means[to] = patches.means[from];
+      patches.origins[to] = patches.origins[from];
+    }
+    ++kept;
   }
+  patches.values.conservativeResize(Eigen::NoChange, kept);
+  patches.means.resize(static_cast<std::size_t>(kept));
+  patches.origins.resize(static_cast<std::size_t>(kept));
   return patches;
+}
+
+Patches extract_patches(RasterView<const float> terrain, const PatchGrid& grid, const PatchOptions& options) {
+  if (terrain.width == 0 || terrain.height == 0) return {Eigen::MatrixXf(grid.samples(), 0), {}, {}};
+  const auto xs = origins_along(grid, terrain.width, options.edges);
+  const std::uint8_t symmetries = options.symmetries ? 8 : 1;
+  std::vector<PatchOrigin> origins;
+  for (const std::int64_t y : origins_along(grid, terrain.height, options.edges))
+    for (const std::int64_t x : xs)
+      for (std::uint8_t symmetry = 0; symmetry < symmetries; ++symmetry) origins.push_back({x, y, symmetry});
+  return cut_patches(terrain, grid, origins, options.leave_out_flat, options.threads);
 }
 
 }  // namespace arete

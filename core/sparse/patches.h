@@ -41,6 +41,10 @@ struct PatchOptions {
 /// Every patch of the grid on `terrain` that has no void cell. Sums in double, in a fixed order.
 Patches extract_patches(RasterView<const float> terrain, const PatchGrid& grid, const PatchOptions& options = {});
 
+/// The patches at `origins`, in that order, but for those with a void cell and (on wish) flat ones. The grid gives m and the weights.
+Patches cut_patches(RasterView<const float> terrain, const PatchGrid& grid, const std::vector<PatchOrigin>& origins, bool leave_out_flat,
+                    int threads = 0);
+
 /// Cuts the m x m cells at (x, y) under a symmetry, as they are (no mean, no weight), row-major; beyond the border the edge cell
 /// repeats. False where a cell is void. `cells` has room for m x m values.
 bool cut_cells(RasterView<const float> terrain, std::int64_t x, std::int64_t y, int patch_cells, std::uint8_t symmetry, float* cells);

@@ -1,5 +1,4 @@
 // The complete dictionary: every 8 x 8 patch of the Davos SRTM tile at pitch 6 (129,000 atoms), signals from other terrain.
-#include <cstdlib>
 #include <string>
 
 #include <benchmark/benchmark.h>
@@ -8,20 +7,16 @@
 #include "core/sparse/patches.h"
 #include "core/support/parallel.h"
 #include "gis/dem_file.h"
+#include "tests/data.h"
 
 namespace {
 
 using namespace arete;
 
-std::string data_file(const std::string& name) {
-  const char* folder = std::getenv("ARETE_TEST_DATA");
-  return (folder ? std::string(folder) : ARETE_SOURCE_DIR "/../shared/data") + "/" + name;
-}
-
 Eigen::MatrixXf patches_of(const std::string& name, int pitch) {
   PatchOptions options;
   options.leave_out_flat = true;
-  return extract_patches(read_all(DemReader(data_file(name))).view(), make_patch_grid(8, pitch), options).values;
+  return extract_patches(read_all(DemReader(test_data(name))).view(), PatchGrid{8, pitch, disc_weights(8)}, options).values;
 }
 
 const Eigen::MatrixXf& complete_dictionary() {
