@@ -41,7 +41,7 @@ class ConsistentStage final : public Stage {
   }
 
   int factor() const override { return dictionary_.factor; }
-  int margin() const override { return upsampler().reach + patch_reach() + continued(); }
+  int margin() const override { return upsampler().reach + patch_reach() + continued() + extend_support; }
   bool repeats_edge() const override { return false; }
 
   void evaluate(const Window& window, RasterView<const float> coarse, const AmplifiedBands& out, int threads) const override {

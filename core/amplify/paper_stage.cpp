@@ -22,7 +22,7 @@ class PaperStage final : public Stage {
   }
 
   int factor() const override { return dictionary_.factor; }
-  int margin() const override { return 2 * (grid_.patch_cells - 1); }  // a patch, and what it is continued from
+  int margin() const override { return 2 * (grid_.patch_cells - 1) + extend_support; }  // a patch, and what it is continued from
   bool repeats_edge() const override { return true; }
 
   void evaluate(const Window& window, RasterView<const float> coarse, const AmplifiedBands& out, int threads) const override {

@@ -77,7 +77,7 @@ void extend_into_voids(RasterView<const float> known, int reach, RasterView<floa
   const std::vector<char> near = near_valid(known, reach);
   for (std::int64_t y = 0; y < known.height; ++y)
     for (std::int64_t x = 0; x < known.width; ++x)
-      if (is_void(known(x, y)) && near[static_cast<std::size_t>(y * known.width + x)]) out(x, y) = fit_plane_at(known, x, y, reach);
+      if (is_void(known(x, y)) && near[static_cast<std::size_t>(y * known.width + x)]) out(x, y) = fit_plane_at(known, x, y, reach + extend_support);
 }
 
 }  // namespace arete
