@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <numbers>
 #include <queue>
-#include <utility>
 #include <vector>
 
 #include "core/support/parallel.h"
@@ -32,33 +33,48 @@ struct Drainage {
   std::vector<std::int64_t> receiver;  // the cell itself at an outlet
   std::vector<float> distance;         // to the receiver, in cells
   std::vector<std::int64_t> upwards;
+  std::vector<std::uint32_t> rank;     // of a cell in `upwards`
 };
+
+constexpr std::uint32_t not_flooded = 0xffffffff;
+
+/// A height and a cell in one number that orders as they do, equal heights by position: bits of a float order as its values do when
+/// those of negative ones are turned.
+std::uint64_t front_key(float height, std::int64_t cell) {
+  const auto bits = std::bit_cast<std::uint32_t>(height);
+  const std::uint32_t ordered = (bits & 0x80000000u) != 0 ? ~bits : bits | 0x80000000u;
+  return std::uint64_t{ordered} << 32 | static_cast<std::uint64_t>(cell);
+}
 
 /// Floods the terrain from the outlets: each cell is reached first over the lowest way. The order of the flood is `upwards`,
 /// and the cell that it was reached from is a receiver that never leads into a pit.
 Drainage flood(RasterView<const float> terrain, RasterView<const unsigned char> outlet) {
   const std::int64_t width = terrain.width, cells = terrain.size().cells();
-  Drainage drainage{std::vector<std::int64_t>(static_cast<std::size_t>(cells), -1),
-                    std::vector<float>(static_cast<std::size_t>(cells), 1), {}};
-  drainage.upwards.reserve(static_cast<std::size_t>(cells));
-  using Front = std::pair<float, std::int64_t>;  // equal heights go by position, so that the order is certain
-  std::priority_queue<Front, std::vector<Front>, std::greater<>> front;
+  const auto count = static_cast<std::size_t>(cells);
+  Drainage drainage{std::vector<std::int64_t>(count, -1), std::vector<float>(count, 1), {}, std::vector<std::uint32_t>(count, not_flooded)};
+  drainage.upwards.reserve(count);
+  std::vector<float> level(count);  // of the water over each cell
+  std::priority_queue<std::uint64_t, std::vector<std::uint64_t>, std::greater<>> front;
   for (std::int64_t i = 0; i < cells; ++i)
     if (outlet(i % width, i / width) != 0) {
       drainage.receiver[static_cast<std::size_t>(i)] = i;
-      front.emplace(terrain(i % width, i / width), i);
+      level[static_cast<std::size_t>(i)] = terrain(i % width, i / width);
+      front.push(front_key(terrain(i % width, i / width), i));
     }
   while (!front.empty()) {
-    const auto [level, i] = front.top();
+    const auto i = static_cast<std::int64_t>(front.top() & 0xffffffffu);
     front.pop();
+    drainage.rank[static_cast<std::size_t>(i)] = static_cast<std::uint32_t>(drainage.upwards.size());
     drainage.upwards.push_back(i);
+    const std::int64_t x0 = i % width, y0 = i / width;
     for (const Step& step : steps_around) {
-      const std::int64_t x = wrap(i % width + step.x, width), y = wrap(i / width + step.y, terrain.height);
+      const std::int64_t x = wrap(x0 + step.x, width), y = wrap(y0 + step.y, terrain.height);
       const auto n = static_cast<std::size_t>(y * width + x);
       if (drainage.receiver[n] >= 0) continue;
       drainage.receiver[n] = i;
       drainage.distance[n] = static_cast<float>(step.length);
-      front.emplace(std::max(level, terrain(x, y)), y * width + x);
+      level[n] = std::max(level[static_cast<std::size_t>(i)], terrain(x, y));
+      front.push(front_key(level[n], y * width + x));
     }
   }
   return drainage;
@@ -66,40 +82,41 @@ Drainage flood(RasterView<const float> terrain, RasterView<const unsigned char> 
 
 /// Turns each cell's water down its steepest slope where there is one: the flood order stays valid, because a lower cell that
 /// is not in a pit was flooded before.
-void steepen(RasterView<const float> terrain, std::uint64_t seed, Drainage& drainage) {
+void steepen(RasterView<const float> terrain, std::uint64_t seed, int threads, Drainage& drainage) {
   const std::int64_t width = terrain.width;
-  std::vector<std::int64_t> rank(drainage.upwards.size());
-  for (std::size_t k = 0; k < drainage.upwards.size(); ++k)
-    rank[static_cast<std::size_t>(drainage.upwards[k])] = static_cast<std::int64_t>(k);
-  for (const std::int64_t i : drainage.upwards) {
-    const auto here = static_cast<std::size_t>(i);
-    if (drainage.receiver[here] == i) continue;
-    const double height = terrain(i % width, i / width);
-    double steepest = 0;
-    for (const Step& step : steps_around) {
-      const std::int64_t x = wrap(i % width + step.x, width), y = wrap(i / width + step.y, terrain.height);
-      double slope = height - terrain(x, y);
-      if (slope > 0 && step.length > 1)
-        slope /= 2 - uniform_at(seed, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(&step - steps_around.data()));
-      if (slope <= steepest || rank[static_cast<std::size_t>(y * width + x)] > rank[here]) continue;
-      steepest = slope;
-      drainage.receiver[here] = y * width + x;
-      drainage.distance[here] = static_cast<float>(step.length);
+  parallel_for(terrain.height, threads, [&](std::int64_t y0) {
+    for (std::int64_t x0 = 0; x0 < width; ++x0) {
+      const std::int64_t i = y0 * width + x0;
+      const auto here = static_cast<std::size_t>(i);
+      if (drainage.receiver[here] == i) continue;
+      const float height = terrain(x0, y0);
+      double steepest = 0;
+      for (const Step& step : steps_around) {
+        const std::int64_t x = wrap(x0 + step.x, width), y = wrap(y0 + step.y, terrain.height);
+        double slope = static_cast<double>(height) - terrain(x, y);
+        if (slope <= steepest) continue;  // chance makes it only gentler
+        if (step.length > 1)
+          slope /= 2 - uniform_at(seed, static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(&step - steps_around.data()));
+        if (slope <= steepest || drainage.rank[static_cast<std::size_t>(y * width + x)] > drainage.rank[here]) continue;
+        steepest = slope;
+        drainage.receiver[here] = y * width + x;
+        drainage.distance[here] = static_cast<float>(step.length);
+      }
     }
-  }
+  });
 }
 
 }  // namespace
 
 void erode_by_streams(RasterView<float> terrain, RasterView<const float> uplift, RasterView<const unsigned char> outlet,
                       const StreamErosionOptions& options) {
-  assert(terrain.size() == uplift.size() && terrain.size() == outlet.size());
+  assert(terrain.size() == uplift.size() && terrain.size() == outlet.size() && terrain.size().cells() < not_flooded);
   const std::int64_t width = terrain.width;
   const double cell_area = options.cell_size_m * options.cell_size_m;
   std::vector<double> area(static_cast<std::size_t>(terrain.size().cells()));
   for (int step = 0; step < options.steps; ++step) {
     Drainage drainage = flood(terrain, outlet);
-    steepen(terrain, hash_position(options.seed, static_cast<std::uint64_t>(step)), drainage);
+    steepen(terrain, hash_position(options.seed, static_cast<std::uint64_t>(step)), options.threads, drainage);
 
     std::fill(area.begin(), area.end(), cell_area);
     for (auto i = drainage.upwards.rbegin(); i != drainage.upwards.rend(); ++i) {

@@ -15,6 +15,7 @@ struct StreamErosionOptions {
   double area_exponent = 0.5;
   double least_area_m2 = 0;   ///< of A: hillslopes, which no stream drains, wear as if this much drained through them
   std::uint64_t seed = 1;     ///< of the directions of flow
+  int threads = 0;            ///< 0: one per core; the result is the same for any number
 };
 
 /// Incises valleys by the stream-power law, dh/dt = U - K A^m S, solved implicitly from the mouth of each stream upwards, so that
@@ -23,7 +24,7 @@ struct StreamErosionOptions {
 /// down the steepest of the 8 slopes, where those of the diagonals are weighted by chance, so that valleys do not prefer the
 /// directions of the grid (Rho8, Fairfield & Leymarie, Water Resources Research 27(5), 1991), and, out of a pit, over its lowest rim (priority flood, Barnes et al., Computers &
 /// Geosciences 62, 2014). `terrain` in metres, without voids, changed in place; `uplift` in metres per year, same size;
-/// at least one outlet. One thread (a stream is a sequence); about 0.4 us per cell and step.
+/// fewer than 2^32 - 1 cells, at least one outlet. A priority queue's cost per step: about 0.3 us per cell.
 void erode_by_streams(RasterView<float> terrain, RasterView<const float> uplift, RasterView<const unsigned char> outlet,
                       const StreamErosionOptions& options);
 

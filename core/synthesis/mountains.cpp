@@ -56,7 +56,8 @@ void erode_level(Raster<float>& terrain, const Raster<float>& massif, float floo
                                      .erodibility = incision,
                                      .area_exponent = 0.5,
                                      .least_area_m2 = hillslope_cells * how.cell_size_m * how.cell_size_m,
-                                     .seed = hash_position(how.seed, static_cast<std::uint64_t>(terrain.width()))};
+                                     .seed = hash_position(how.seed, static_cast<std::uint64_t>(terrain.width())),
+                                     .threads = how.threads};
   erode_by_streams(terrain.view(), std::as_const(uplift).view(), std::as_const(outlet).view(), options);
 }
 
