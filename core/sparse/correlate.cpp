@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
 namespace arete {
@@ -22,6 +23,7 @@ using Indices = hn::RebindToSigned<Floats>;
 using Vector = hn::Vec<Floats>;
 
 constexpr std::int64_t kPanel = PackedAtoms::panel_atoms;
+static_assert(kPanel == 1 << 4);
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(Floats()));
 constexpr int kVectors = static_cast<int>(kPanel) / kLanes;  // of a panel
 constexpr int kSignals = kVectors < 12 ? 12 / kVectors : 1;  // twelve accumulators: all that 16 registers leave
@@ -94,14 +96,26 @@ HWY_INLINE void challenge(Leader& leader, int v, Vector value, std::int64_t pane
             leader.panel + v * kLanes);
 }
 
-Match winner(const Leader& leader) {
-  Match best{leader.panel[0] * static_cast<std::int32_t>(kPanel), leader.value[0]};
-  for (std::int64_t lane = 1; lane < kPanel; ++lane) {
-    const Match other{static_cast<std::int32_t>(leader.panel[lane] * kPanel + lane), leader.value[lane]};
-    const float a = std::abs(other.correlation), b = std::abs(best.correlation);
-    if (a > b || (a == b && other.atom < best.atom)) best = other;
+// The strongest of all lanes; of equals the lowest index.
+HWY_INLINE Match winner(const Leader& leader) {
+  const Floats d;
+  const Indices di;
+  Vector strength[kVectors];
+  Vector most = hn::Zero(d);
+  for (int v = 0; v < kVectors; ++v) {
+    strength[v] = hn::Abs(hn::Load(d, leader.value + v * kLanes));
+    most = hn::Max(most, strength[v]);
   }
-  return best;
+  most = hn::MaxOfLanes(d, most);
+  auto first = hn::Set(di, INT32_MAX);
+  for (int v = 0; v < kVectors; ++v) {
+    const auto panel = hn::Load(di, leader.panel + v * kLanes);
+    const auto atom = hn::Add(hn::ShiftLeft<4>(panel), hn::Iota(di, static_cast<std::int32_t>(v * kLanes)));
+    const auto leads = hn::RebindMask(di, hn::Eq(strength[v], most));
+    first = hn::Min(first, hn::IfThenElse(leads, atom, hn::Set(di, INT32_MAX)));
+  }
+  const std::int32_t atom = hn::GetLane(hn::MinOfLanes(di, first));
+  return {atom, leader.value[atom % kPanel]};
 }
 
 // Signals of one round over the dictionary: they stay in the first-level cache (24 KiB at K = 64) while a panel passes.

@@ -1,11 +1,14 @@
 #include "core/sparse/atom_search.h"
 
-#include <cmath>
+#include <fstream>
+#include <string>
 
 #include <gtest/gtest.h>
 
 #include "core/sparse/patches.h"
-#include "core/support/random.h"
+#include "tests/core/sparse/learning_data.h"
+#include "tests/core/sparse/random_matrix.h"
+#include "tests/data.h"
 
 namespace arete {
 namespace {
@@ -20,37 +23,45 @@ void expect_same_as_plain_search(const Eigen::MatrixXf& D, const Eigen::MatrixXf
   }
 }
 
-// Hills with detail at every scale, in whole decimetres: terrain enough to have a few main directions.
-Raster<float> hills(std::int64_t size, std::uint64_t seed) {
-  Raster<float> terrain(size, size, 0.0f);
-  for (std::int64_t y = 0; y < size; ++y)
-    for (std::int64_t x = 0; x < size; ++x) {
-      double z = 1000 + 0.2 * uniform_at(seed, x, y);
-      for (int o = 0; o < 6; ++o)
-        z += 40 * std::pow(0.45, o) * std::sin(x * 0.05 * std::pow(1.9, o) + 6 * uniform_at(seed, o)) *
-             std::cos(y * 0.045 * std::pow(2.1, o) + 6 * uniform_at(seed, o, 1));
-      terrain(x, y) = static_cast<float>(std::round(z * 10) / 10);
-    }
+// The two DEMs of the development data that need no library: raw floats, and text.
+Raster<float> read_gabilan(const std::string& path) {
+  Raster<float> terrain(921, 859);
+  std::ifstream(path, std::ios::binary).read(reinterpret_cast<char*>(terrain.data()), 921 * 859 * sizeof(float));
+  return terrain;
+}
+Raster<float> read_hit(const std::string& path) {
+  Raster<float> terrain(526, 446);
+  std::ifstream file(path);
+  std::string line;
+  for (int i = 0; i < 6; ++i) std::getline(file, line);
+  for (std::int64_t i = 0; i < terrain.size().cells(); ++i) {
+    file >> terrain.data()[i];
+    if (terrain.data()[i] == -9999) terrain.data()[i] = void_value;
+  }
+  EXPECT_TRUE(file.good() || file.eof());
   return terrain;
 }
 
 Eigen::MatrixXf patches_of(const Raster<float>& terrain, int cells, int pitch) {
   PatchOptions options;
   options.leave_out_flat = true;
-  return extract_patches(terrain.view(), make_patch_grid(cells, pitch), options).values;
+  return extract_patches(terrain.view(), PatchGrid{cells, pitch, disc_weights(cells)}, options).values;
 }
 
-Eigen::MatrixXf random_matrix(std::int64_t rows, std::int64_t columns, std::uint64_t seed) {
-  Eigen::MatrixXf values(rows, columns);
-  for (std::int64_t j = 0; j < columns; ++j)
-    for (std::int64_t i = 0; i < rows; ++i) values(i, j) = static_cast<float>(uniform_at(seed, i, j) - 0.5);
-  return values;
+TEST(AtomSearch, IsThePlainSearchOnRealTerrain) {
+  const std::string lidar = test_data("gabilan_lidar_1m.bil"), mountain = test_data("hit_tyrol_dtm_5m.asc");
+  if (lidar.empty() || mountain.empty()) GTEST_SKIP() << "needs the development data: set ARETE_TEST_DATA";
+  const Raster<float> hills_1m = read_gabilan(lidar), alps_5m = read_hit(mountain);
+  for (const int cells : {6, 8}) {
+    expect_same_as_plain_search(patches_of(hills_1m, cells, 5).colwise().normalized(), patches_of(alps_5m, cells, 11));
+    expect_same_as_plain_search(patches_of(alps_5m, cells, 3).colwise().normalized(), patches_of(hills_1m, cells, 17));
+  }
 }
 
 TEST(AtomSearch, IsThePlainSearchOnTerrain) {
   for (const int cells : {4, 6, 8, 12}) {
-    const Eigen::MatrixXf D = patches_of(hills(150, 1), cells, 2).colwise().normalized();
-    expect_same_as_plain_search(D, patches_of(hills(60, 2), cells, 2));
+    const Eigen::MatrixXf D = hill_patches(150, 1, cells, 2).colwise().normalized();
+    expect_same_as_plain_search(D, hill_patches(60, 2, cells, 2));
   }
 }
 
@@ -59,15 +70,15 @@ TEST(AtomSearch, IsThePlainSearchOnNoise) {
 }
 
 TEST(AtomSearch, FindsTheAtomsThemselvesAndTheirNegatives) {
-  Eigen::MatrixXf D = patches_of(hills(120, 5), 8, 3).colwise().normalized();
+  Eigen::MatrixXf D = hill_patches(120, 5, 8, 3).colwise().normalized();
   D.col(D.cols() - 1) = D.col(7);   // of equals the lowest index
   D.col(D.cols() - 2) = -D.col(9);
   expect_same_as_plain_search(D, -1000 * D);
 }
 
 TEST(AtomSearch, WorksForAnyNumberOfAtoms) {
-  const Eigen::MatrixXf D = patches_of(hills(120, 6), 6, 2).colwise().normalized();
-  const Eigen::MatrixXf F = patches_of(hills(40, 7), 6, 3);
+  const Eigen::MatrixXf D = hill_patches(120, 6, 6, 2).colwise().normalized();
+  const Eigen::MatrixXf F = hill_patches(40, 7, 6, 3);
   for (const int atoms : {1, 2, 15, 16, 17, 255, 256, 257, 1023, 1025}) expect_same_as_plain_search(D.leftCols(atoms), F);
 }
 

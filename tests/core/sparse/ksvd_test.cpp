@@ -3,7 +3,6 @@
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
-#include "core/sparse/learning_steps.h"
 #include "core/support/error.h"
 #include "tests/core/sparse/learning_data.h"
 
@@ -77,13 +76,6 @@ TEST(Ksvd, SameSeedSameBytesForAnyNumberOfThreads) {
 
 TEST(Ksvd, RefusesFewerPatchesThanAtoms) {
   EXPECT_THROW(learn(hill_patches(20, 6, 8, 4), {.atoms = 500}), Error);
-}
-
-TEST(LearningSteps, ChosenColumnsAreDifferentAndAscending) {
-  const auto chosen = choose_columns(1000, 100, 3);
-  ASSERT_EQ(chosen.size(), 100u);
-  for (std::size_t i = 1; i < chosen.size(); ++i) EXPECT_LT(chosen[i - 1], chosen[i]);
-  EXPECT_EQ(choose_columns(5, 10, 3).size(), 5u);
 }
 
 }  // namespace

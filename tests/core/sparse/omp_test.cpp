@@ -8,25 +8,10 @@
 #include <gtest/gtest.h>
 
 #include "core/support/random.h"
+#include "tests/core/sparse/random_matrix.h"
 
 namespace arete {
 namespace {
-
-double gaussian(std::uint64_t seed, std::uint64_t i, std::uint64_t j) {
-  const double u = 1 - uniform_at(seed, i, j, 0), v = uniform_at(seed, i, j, 1);
-  return std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * v);
-}
-
-Eigen::MatrixXf random_matrix(std::int64_t rows, std::int64_t columns, std::uint64_t seed) {
-  Eigen::MatrixXf values(rows, columns);
-  for (std::int64_t j = 0; j < columns; ++j)
-    for (std::int64_t i = 0; i < rows; ++i) values(i, j) = static_cast<float>(gaussian(seed, i, j));
-  return values;
-}
-
-Eigen::MatrixXf random_dictionary(std::int64_t samples, std::int64_t atoms, std::uint64_t seed) {
-  return random_matrix(samples, atoms, seed).colwise().normalized();
-}
 
 // Orthogonal matching pursuit as the textbook has it, in double, with a QR solution after each choice.
 struct TextbookCode {
@@ -57,40 +42,6 @@ void expect_textbook(const Eigen::MatrixXf& D, const Eigen::MatrixXf& F, int spa
       EXPECT_NEAR(codes.coefficients(t, i), expected.coefficients[t], 2e-4) << "signal " << i << " choice " << t;
     }
   }
-}
-
-TEST(Correlate, IsTheProductOfAtomsAndSignals) {
-  const Eigen::MatrixXf D = random_dictionary(37, 45, 1), F = random_matrix(37, 19, 2);
-  const PackedAtoms atoms(D);
-  EXPECT_EQ(atoms.padded_atoms(), 48);
-  Eigen::MatrixXf products(48, 19);
-  correlate(atoms, F.data(), 19, 37, products.data());
-  EXPECT_LT((products.topRows(45) - D.transpose() * F).cwiseAbs().maxCoeff(), 1e-5);
-  EXPECT_EQ(products.bottomRows(3).cwiseAbs().maxCoeff(), 0);
-}
-
-TEST(StrongestAtoms, AreTheFirstOfTheLargestCorrelations) {
-  Eigen::MatrixXf D = random_dictionary(24, 100, 3);
-  D.col(71) = D.col(5);
-  D.col(40) = -D.col(6);
-  Eigen::MatrixXf F = random_matrix(24, 50, 4);
-  F.col(10) = 3 * D.col(71);
-  F.col(11) = -2 * D.col(40);
-  F.col(12).setZero();
-  const PackedAtoms atoms(D);
-  std::vector<Match> best(50);
-  strongest_atoms(atoms, F.data(), 50, 24, best.data());
-  Eigen::MatrixXf products(atoms.padded_atoms(), 50);
-  correlate(atoms, F.data(), 50, 24, products.data());
-  for (int i = 0; i < 50; ++i) {
-    Eigen::Index expected;
-    products.col(i).cwiseAbs().maxCoeff(&expected);
-    EXPECT_EQ(best[i].atom, expected);
-    EXPECT_EQ(best[i].correlation, products(expected, i));  // the same bits
-  }
-  EXPECT_EQ(best[10].atom, 5);
-  EXPECT_EQ(best[11].atom, 6);
-  EXPECT_EQ(best[12].correlation, 0);
 }
 
 TEST(Omp, AgreesWithTheTextbookInDouble) {
