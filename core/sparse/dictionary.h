@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -44,7 +43,6 @@ struct Dictionary {
   double detail_power = 0;         ///< variance of the detail at activity 1 (core/amplify/activity.h)
   double coarse_detail_power = 0;  ///< the same, measured one factor coarser, on the exemplars' low-resolution versions; 0 if too small
   std::string provenance;         ///< how it was made: the command, as text
-  std::map<std::string, Eigen::MatrixXf> arrays;  ///< whatever else belongs to it, by name (1 to 15 characters)
   std::int64_t atoms() const { return low.cols(); }
 };
 

@@ -1,357 +1,337 @@
-// The format is specified in dictionary-format.md.
 #include "core/sparse/dictionary_file.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
-#include <map>
+#include <deque>
+#include <limits>
+#include <optional>
 
 #include "core/support/checksum.h"
 #include "core/support/error.h"
 #include "core/support/file.h"
+#include "core/support/sections.h"
 
 namespace arete {
-
 namespace {
 
-static_assert(std::endian::native == std::endian::little, "the format is little-endian");
+// As in PNG: a byte above 127, the name, and line ends that a transfer as text would change.
+constexpr SectionFormat atoms_format = {{0x89, 'A', 'T', 'O', 'M', '\r', '\n', 0x1a}, 1, "a dictionary of Arete (.atoms)"};
 
-constexpr char magic[9] = "ARETEATM";
-constexpr std::size_t header_bytes = 32, entry_bytes = 64, name_bytes = 16, checksum_at = 24;
-constexpr std::uint32_t most_sections = 256;
-constexpr std::int64_t most_patch_cells = 1024, most_factor = 1024, most_reach = 64;
+constexpr int largest_step = 32767;
+constexpr int least_exponent = -126;  // below it steps would be subnormal
+constexpr double norm_tolerance = 1e-3;
+constexpr std::int64_t farthest_source = std::int64_t{1} << 40;
 
-enum class Element : std::uint32_t { u8 = 0, f32 = 1, i64 = 2, f64 = 3 };
-std::uint64_t size_of(Element element) { return element == Element::u8 ? 1 : element == Element::f32 ? 4 : 8; }
-
-struct Section {
-  Element element = Element::u8;
-  std::uint64_t rows = 0;
-  std::uint64_t columns = 0;
-  std::span<const std::byte> bytes;
+/// Values of a matrix as steps of 16 bits, each column with its own power of two.
+struct Steps {
+  std::vector<std::int16_t> values;
+  std::vector<float> scales;
 };
-using Sections = std::map<std::string, Section>;
 
-bool is_section_name(const std::string& name) {
-  return !name.empty() && name.size() < name_bytes && std::all_of(name.begin(), name.end(), [](char c) {
-    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
-  });
-}
-
-template <typename T>
-void put(std::vector<std::byte>& to, std::size_t at, const T& value) {
-  std::memcpy(to.data() + at, &value, sizeof value);
-}
-
-template <typename T>
-T get(std::span<const std::byte> from, std::size_t at) {
-  T value;
-  std::memcpy(&value, from.data() + at, sizeof value);
-  return value;
-}
-
-// Header and table under one sum, less the sum itself.
-std::uint64_t table_checksum(std::span<const std::byte> bytes, std::size_t table_end) {
-  std::vector<std::byte> covered(bytes.begin(), bytes.begin() + checksum_at);
-  covered.insert(covered.end(), bytes.begin() + header_bytes, bytes.begin() + static_cast<std::ptrdiff_t>(table_end));
-  return checksum64(covered.data(), covered.size());
-}
-
-// ---- writing
-
-std::vector<std::byte> pack_sections(const Sections& sections) {
-  std::uint64_t length = header_bytes + entry_bytes * sections.size();
-  const std::size_t table_end = length;
-  for (const auto& [name, section] : sections) length += section.bytes.size();
-  std::vector<std::byte> file(length);
-  std::memcpy(file.data(), magic, 8);
-  put(file, 8, dictionary_format_version);
-  put(file, 12, static_cast<std::uint32_t>(sections.size()));
-  put(file, 16, length);
-  std::size_t entry = header_bytes, offset = table_end;
-  for (const auto& [name, section] : sections) {
-    std::memcpy(file.data() + entry, name.data(), name.size());
-    put(file, entry + 16, static_cast<std::uint32_t>(section.element));
-    put(file, entry + 24, section.rows);
-    put(file, entry + 32, section.columns);
-    put(file, entry + 40, static_cast<std::uint64_t>(offset));
-    put(file, entry + 48, static_cast<std::uint64_t>(section.bytes.size()));
-    put(file, entry + 56, checksum64(section.bytes.data(), section.bytes.size()));
-    std::copy(section.bytes.begin(), section.bytes.end(), file.begin() + static_cast<std::ptrdiff_t>(offset));
-    entry += entry_bytes;
-    offset += section.bytes.size();
+/// The scale is the smallest power of two in which the largest value is at most 32767 steps, and so more than 16383.5: rounding
+/// errs by half a step, at most 1/32767 of the largest value. What was rounded once is rounded to the same steps again.
+Steps round_columns(const Eigen::MatrixXf& matrix) {
+  Steps steps;
+  steps.values.reserve(static_cast<std::size_t>(matrix.size()));
+  for (Eigen::Index j = 0; j < matrix.cols(); ++j) {
+    const float largest = matrix.col(j).cwiseAbs().maxCoeff();
+    int exponent = least_exponent;
+    if (largest > 0) {
+      exponent = std::ilogb(largest) - 14;
+      if (std::ldexp(static_cast<double>(largest), -exponent) > largest_step) ++exponent;
+      exponent = std::max(exponent, least_exponent);
+    }
+    steps.scales.push_back(std::ldexp(1.0f, exponent));
+    for (Eigen::Index i = 0; i < matrix.rows(); ++i)
+      steps.values.push_back(static_cast<std::int16_t>(std::lround(std::ldexp(static_cast<double>(matrix(i, j)), -exponent))));
   }
-  put(file, checksum_at, table_checksum(file, table_end));
-  return file;
+  return steps;
 }
 
-template <typename T>
-Section section_of(Element element, std::int64_t rows, std::int64_t columns, const T* values) {
-  return {element, static_cast<std::uint64_t>(rows), static_cast<std::uint64_t>(columns),
-          std::as_bytes(std::span(values, static_cast<std::size_t>(rows * columns)))};
-}
-
-Section matrix_section(const Eigen::MatrixXf& values) { return section_of(Element::f32, values.rows(), values.cols(), values.data()); }
-
-Section text_section(const std::string& text) {
-  return section_of(Element::u8, static_cast<std::int64_t>(text.size()), 1, text.data());
-}
-
-const std::vector<std::string> own_sections = {"parameters", "cell_size_m", "low",       "high",            "detail",
-                                               "sources",    "exemplars",   "provenance", "upsampler_shape", "upsampler"};
-
-bool is_own_section(const std::string& name) { return std::find(own_sections.begin(), own_sections.end(), name) != own_sections.end(); }
-
-// ---- rules that a dictionary keeps, written or read; empty where it does
-
-std::string broken_sizes(const Dictionary& d) {
-  const std::int64_t m = d.patch_cells, f = d.factor, atoms = d.atoms();
-  if (m < 2 || m > most_patch_cells || m % 2 != 0) return "patches of " + std::to_string(m) + " cells";
-  if (f < 1 || f > most_factor) return "factor " + std::to_string(f);
-  if (d.low.rows() != m * m) return "low atoms of " + std::to_string(d.low.rows()) + " samples instead of " + std::to_string(m * m);
-  for (const Eigen::MatrixXf* pair : {&d.high, &d.detail})
-    if (pair->size() != 0 && (pair->cols() != atoms || pair->rows() != f * m * f * m)) return "high or detail atoms of another size";
-  if (static_cast<std::int64_t>(d.sources.size()) != atoms) return "another number of sources than of atoms";
-  if (!d.upsampler) return {};
-  const Upsampler& u = *d.upsampler;
-  if (u.factor < 1 || u.factor > most_factor || u.reach < 0 || u.reach > most_reach) return "an upsampler out of range";
-  const std::int64_t taps = (2 * u.reach + 1) * (2 * u.reach + 1);
-  if (static_cast<std::int64_t>(u.weights.size()) != taps * u.factor * u.factor) return "an upsampler with another number of weights";
-  return {};
-}
-
-std::string broken_values(const Dictionary& d) {
-  if (!std::isfinite(d.cell_size_m) || d.cell_size_m < 0) return "a cell size that is no length";
-  for (const AtomSource& source : d.sources)
-    if (source.exemplar < -1 || source.exemplar >= static_cast<std::int64_t>(d.exemplars.size()) || source.symmetry > 7)
-      return "an atom whose source does not exist";
-  if (!d.low.allFinite() || !d.high.allFinite() || !d.detail.allFinite()) return "an atom that is not finite";
-  for (Eigen::Index j = 0; j < d.low.cols(); ++j)
-    if (std::abs(d.low.col(j).norm() - 1) > 1e-3f) return "an atom that is not of unit norm";
-  if (d.upsampler && !std::all_of(d.upsampler->weights.begin(), d.upsampler->weights.end(), [](float w) { return std::isfinite(w); }))
-    return "an upsampler that is not finite";
-  for (const auto& [name, values] : d.arrays) {
-    if (!is_section_name(name) || is_own_section(name)) return "an array with the name '" + name + "'";
-    if (!values.allFinite()) return "an array that is not finite: " + name;
-  }
-  for (const std::string& name : d.exemplars)
-    if (name.find('\0') != std::string::npos) return "an exemplar's name with a zero byte";
-  if (d.method > LearningMethod::constrained) return "an unknown learning method";
-  return {};
-}
-
-std::string broken_rule(const Dictionary& dictionary) {
-  const std::string sizes = broken_sizes(dictionary);
-  return sizes.empty() ? broken_values(dictionary) : sizes;
-}
-
-// ---- reading
-
-class Reader {
+/// Sections with the arrays that they are views of. A deque leaves in place what it holds.
+class SectionList {
  public:
-  Reader(std::span<const std::byte> bytes, const std::string& name) : bytes_(bytes), name_(name) {}
-
-  Sections sections() const {
-    check_header();
-    const auto count = get<std::uint32_t>(bytes_, 12);
-    Sections sections;
-    std::uint64_t offset = header_bytes + entry_bytes * count;
-    for (std::uint32_t i = 0; i < count; ++i) add_section(header_bytes + entry_bytes * i, offset, sections);
-    if (offset != bytes_.size()) damaged("has bytes after its last section");
-    return sections;
+  template <typename T>
+  void add(const char* tag, ElementType type, std::int64_t rows, std::int64_t columns, const T* values) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(values);
+    held_.emplace_back(bytes, bytes + static_cast<std::size_t>(rows * columns) * sizeof(T));
+    sections_.push_back({tag, type, static_cast<std::uint64_t>(rows), static_cast<std::uint64_t>(columns), held_.back()});
   }
+  void add_integer(const char* tag, std::int32_t value) { add(tag, ElementType::i32, 1, 1, &value); }
+  void add_number(const char* tag, double value) { add(tag, ElementType::f64, 1, 1, &value); }
+  void add_text(const char* tag, const std::string& text) {
+    add(tag, ElementType::u8, static_cast<std::int64_t>(text.size()), 1, text.data());
+  }
+  void add_atoms(const std::string& tag, const Eigen::MatrixXf& atoms, AtomStorage storage) {
+    if (storage == AtomStorage::exact) return add(tag.c_str(), ElementType::f32, atoms.rows(), atoms.cols(), atoms.data());
+    const Steps steps = round_columns(atoms);
+    add(tag.c_str(), ElementType::i16, atoms.rows(), atoms.cols(), steps.values.data());
+    add((tag + "_scale").c_str(), ElementType::f32, 1, atoms.cols(), steps.scales.data());
+  }
+  const std::vector<Section>& sections() const { return sections_; }
 
-  [[noreturn]] void damaged(const std::string& what) const {
-    throw Error(ErrorKind::damaged, name_ + " " + what + ": damaged, fetch or learn it again");
+ private:
+  std::deque<std::vector<std::byte>> held_;
+  std::vector<Section> sections_;
+};
+
+void add_sources(SectionList& list, const std::vector<AtomSource>& sources) {
+  std::vector<std::int32_t> exemplars;
+  std::vector<std::int64_t> origins;
+  std::vector<std::uint8_t> symmetries;
+  for (const AtomSource& source : sources) {
+    exemplars.push_back(source.exemplar);
+    origins.insert(origins.end(), {source.x, source.y});
+    symmetries.push_back(source.symmetry);
+  }
+  const auto count = static_cast<std::int64_t>(sources.size());
+  list.add("source_exemplar", ElementType::i32, 1, count, exemplars.data());
+  list.add("source_origin", ElementType::i64, 2, count, origins.data());
+  list.add("source_symmetry", ElementType::u8, 1, count, symmetries.data());
+}
+
+/// Takes the sections of a file apart. Shapes are checked before anything of their size is allocated.
+class DictionaryDecoder {
+ public:
+  DictionaryDecoder(std::span<const std::byte> file, const std::string& name)
+      : name_(name), sections_(decode_sections(atoms_format, file, name)) {}
+
+  Dictionary decode() const {
+    Dictionary d;
+    const std::int32_t method = read_integer("method");
+    if (method < 0 || method > static_cast<int>(LearningMethod::constrained)) fail("its learning method is none that there is");
+    d.method = static_cast<LearningMethod>(method);
+    d.patch_cells = read_integer("patch_cells");
+    d.factor = read_integer("factor");
+    if (d.patch_cells < 2 || d.patch_cells > most_patch_cells) fail("its patch size is out of range");
+    if (d.factor < 1 || d.factor > most_dictionary_factor) fail("its factor is out of range");
+    d.cell_size_m = read_number("cell_size_m");
+    d.detail_power = read_number("detail_power");
+    d.coarse_detail_power = read_number("coarse_power");
+
+    const Section& low = need("low", ElementType::f32);
+    const std::uint64_t count = low.columns, side = static_cast<std::uint64_t>(d.patch_cells),
+                        fine_side = side * static_cast<std::uint64_t>(d.factor);
+    d.low = read_atoms("low", side * side, count);
+    if (find("high") != nullptr) d.high = read_atoms("high", fine_side * fine_side, count);
+    if (find("detail") != nullptr) d.detail = read_atoms("detail", fine_side * fine_side, count);
+    if (find("upsampler") != nullptr) d.upsampler = read_upsampler(d.factor);
+    d.sources = read_sources(count);
+    d.exemplars = read_names();
+    d.provenance = read_text("provenance");
+    if (const std::string fault = find_dictionary_fault(d); !fault.empty()) fail(fault);
+    return d;
   }
 
  private:
-  void check_header() const {
-    if (bytes_.size() < 8 || std::memcmp(bytes_.data(), magic, 8) != 0)
-      throw Error(ErrorKind::format, name_ + " is not a dictionary: an .atoms file begins with ARETEATM");
-    if (bytes_.size() < header_bytes) damaged("ends within its header");
-    const auto version = get<std::uint32_t>(bytes_, 8);
-    if (version == 0 || version > dictionary_format_version)
-      throw Error(ErrorKind::format, name_ + " is of format version " + std::to_string(version) + ", this program reads up to " +
-                                         std::to_string(dictionary_format_version) + ": use a newer arete");
-    const auto length = get<std::uint64_t>(bytes_, 16);
-    if (length != bytes_.size())
-      damaged("has " + std::to_string(bytes_.size()) + " bytes instead of " + std::to_string(length));
-    const auto count = get<std::uint32_t>(bytes_, 12);
-    if (count == 0 || count > most_sections || header_bytes + entry_bytes * count > bytes_.size())
-      damaged("has a table of " + std::to_string(count) + " sections");
-    if (table_checksum(bytes_, header_bytes + entry_bytes * count) != get<std::uint64_t>(bytes_, checksum_at))
-      damaged("fails the checksum of its header");
+  [[noreturn]] void fail(const std::string& what) const {
+    throw Error(ErrorKind::damaged, "'" + name_ + "' is damaged: " + what + "; take a fresh copy or make it again");
   }
 
-  // Reads one entry of the table; `offset` is where its section must begin, and moves to its end.
-  void add_section(std::size_t entry, std::uint64_t& offset, Sections& sections) const {
-    const char* letters = reinterpret_cast<const char*>(bytes_.data() + entry);
-    const std::string name(letters, strnlen(letters, name_bytes));
-    const bool padded = std::all_of(letters + name.size(), letters + name_bytes, [](char c) { return c == 0; });
-    if (!is_section_name(name) || !padded || sections.contains(name)) damaged("has a section without a proper name");
-    const auto element = get<std::uint32_t>(bytes_, entry + 16);
-    if (element > 3 || get<std::uint32_t>(bytes_, entry + 20) != 0) damaged("has a section of unknown type, " + name);
-    Section section{static_cast<Element>(element), get<std::uint64_t>(bytes_, entry + 24), get<std::uint64_t>(bytes_, entry + 32), {}};
-    const auto length = get<std::uint64_t>(bytes_, entry + 48);
-    if (get<std::uint64_t>(bytes_, entry + 40) != offset || length > bytes_.size() - offset || !fits(section, length))
-      damaged("has a section out of bounds, " + name);
-    section.bytes = bytes_.subspan(offset, length);
-    if (checksum64(section.bytes.data(), length) != get<std::uint64_t>(bytes_, entry + 56))
-      damaged("fails the checksum of section " + name);
-    offset += length;
-    sections.emplace(name, section);
+  const Section* find(const std::string& tag) const {
+    const auto found =
+        std::find_if(sections_.begin(), sections_.end(), [&](const Section& section) { return section.tag == tag; });
+    return found == sections_.end() ? nullptr : &*found;
   }
 
-  // rows x columns x size = length, without overflow.
-  bool fits(const Section& section, std::uint64_t length) const {
-    const std::uint64_t size = size_of(section.element), limit = bytes_.size();
-    if (section.rows > limit || section.columns > limit) return false;  // each below 2^63
-    if (section.rows != 0 && section.columns > limit / section.rows) return false;
-    return section.rows * section.columns <= limit / size && section.rows * section.columns * size == length;
+  const Section& need(const std::string& tag, ElementType type) const {
+    const Section* section = find(tag);
+    if (section == nullptr) fail("section '" + tag + "' is missing");
+    if (section->type != type) fail("section '" + tag + "' has another element type than it should");
+    return *section;
   }
 
-  std::span<const std::byte> bytes_;
-  const std::string& name_;
-};
-
-// Takes sections out one by one, with the type and shape that the format gives them.
-class Contents {
- public:
-  Contents(Sections sections, const Reader& reader) : sections_(std::move(sections)), reader_(reader) {}
-
-  bool has(const std::string& name) const { return sections_.contains(name); }
-
-  Section take(const std::string& name, Element element) {
-    const auto found = sections_.find(name);
-    if (found == sections_.end()) reader_.damaged("lacks section " + name);
-    const Section section = found->second;
-    if (section.element != element) reader_.damaged("has another type of section " + name);
-    sections_.erase(found);
-    return section;
-  }
-
-  Section take(const std::string& name, Element element, std::uint64_t rows, std::uint64_t columns) {
-    const Section section = take(name, element);
-    if (section.rows != rows || section.columns != columns) reader_.damaged("has another size of section " + name);
-    return section;
-  }
-
-  Eigen::MatrixXf take_matrix(const std::string& name) {
-    const Section section = take(name, Element::f32);
-    Eigen::MatrixXf values(static_cast<Eigen::Index>(section.rows), static_cast<Eigen::Index>(section.columns));
-    if (!section.bytes.empty()) std::memcpy(values.data(), section.bytes.data(), section.bytes.size());
+  /// The elements of a section, which may stand at any address.
+  template <typename T>
+  std::vector<T> read(const std::string& tag, ElementType type, std::uint64_t rows, std::uint64_t columns) const {
+    const Section& section = need(tag, type);
+    if (section.rows != rows || section.columns != columns)
+      fail("section '" + tag + "' has " + std::to_string(section.rows) + " x " + std::to_string(section.columns) +
+           " values, expected " + std::to_string(rows) + " x " + std::to_string(columns));
+    std::vector<T> values(section.bytes.size() / sizeof(T));
+    if (!values.empty()) std::memcpy(values.data(), section.bytes.data(), section.bytes.size());
     return values;
   }
 
-  std::string take_text(const std::string& name) {
-    const Section section = take(name, Element::u8);
-    if (section.columns != 1) reader_.damaged("has another size of section " + name);
+  std::int32_t read_integer(const char* tag) const { return read<std::int32_t>(tag, ElementType::i32, 1, 1)[0]; }
+  double read_number(const char* tag) const { return read<double>(tag, ElementType::f64, 1, 1)[0]; }
+  std::string read_text(const char* tag) const {
+    const Section& section = need(tag, ElementType::u8);
     return {reinterpret_cast<const char*>(section.bytes.data()), section.bytes.size()};
   }
 
-  const Sections& rest() const { return sections_; }
+  Eigen::MatrixXf read_atoms(const std::string& tag, std::uint64_t rows, std::uint64_t columns) const {
+    const auto size = [](std::uint64_t n) { return static_cast<Eigen::Index>(n); };
+    if (find(tag)->type != ElementType::i16) {
+      const auto values = read<float>(tag, ElementType::f32, rows, columns);
+      return Eigen::Map<const Eigen::MatrixXf>(values.data(), size(rows), size(columns));
+    }
+    const auto steps = read<std::int16_t>(tag, ElementType::i16, rows, columns);
+    const auto scales = read<float>(tag + "_scale", ElementType::f32, 1, columns);
+    if (!std::all_of(scales.begin(), scales.end(), [](float s) { return s > 0; }))
+      fail("a scale of '" + tag + "' is not positive");
+    Eigen::MatrixXf atoms =
+        Eigen::Map<const Eigen::Matrix<std::int16_t, Eigen::Dynamic, Eigen::Dynamic>>(steps.data(), size(rows), size(columns))
+            .cast<float>();
+    for (std::size_t j = 0; j < scales.size(); ++j) atoms.col(static_cast<Eigen::Index>(j)) *= scales[j];
+    return atoms;
+  }
 
- private:
-  Sections sections_;
-  const Reader& reader_;
+  Upsampler read_upsampler(int factor) const {
+    const Section& section = need("upsampler", ElementType::f32);
+    Upsampler upsampler;
+    upsampler.factor = factor;
+    while (upsampler.reach < most_upsampler_reach &&
+           static_cast<std::uint64_t>(upsampler.side() * upsampler.side()) < section.rows)
+      ++upsampler.reach;
+    const auto side = static_cast<std::uint64_t>(upsampler.side()), f = static_cast<std::uint64_t>(factor);
+    upsampler.weights = read<float>("upsampler", ElementType::f32, side * side, f * f);
+    return upsampler;
+  }
+
+  std::vector<AtomSource> read_sources(std::uint64_t count) const {
+    const auto exemplars = read<std::int32_t>("source_exemplar", ElementType::i32, 1, count);
+    const auto origins = read<std::int64_t>("source_origin", ElementType::i64, 2, count);
+    const auto symmetries = read<std::uint8_t>("source_symmetry", ElementType::u8, 1, count);
+    std::vector<AtomSource> sources(exemplars.size());
+    for (std::size_t j = 0; j < sources.size(); ++j)
+      sources[j] = {exemplars[j], origins[2 * j], origins[2 * j + 1], symmetries[j]};
+    return sources;
+  }
+
+  std::vector<std::string> read_names() const {
+    const std::string text = read_text("exemplars");
+    if (!text.empty() && text.back() != '\0') fail("the names of its exemplars do not end");
+    std::vector<std::string> names;
+    for (std::size_t begin = 0; begin < text.size(); begin += names.back().size() + 1) names.emplace_back(text.c_str() + begin);
+    return names;
+  }
+
+  const std::string& name_;
+  std::vector<Section> sections_;
 };
 
-void take_parameters(Contents& contents, const Reader& reader, Dictionary& dictionary) {
-  const Section section = contents.take("parameters", Element::i64, 3, 1);
-  const auto method = get<std::int64_t>(section.bytes, 0), m = get<std::int64_t>(section.bytes, 8), f = get<std::int64_t>(section.bytes, 16);
-  if (method < 0 || method > 2 || m < 2 || m > most_patch_cells || f < 1 || f > most_factor) reader.damaged("has parameters out of range");
-  dictionary.method = static_cast<LearningMethod>(method);
-  dictionary.patch_cells = static_cast<int>(m);
-  dictionary.factor = static_cast<int>(f);
-  dictionary.cell_size_m = get<double>(contents.take("cell_size_m", Element::f64, 1, 1).bytes, 0);
+bool begins_as_dictionary(std::span<const std::byte> bytes) {
+  return bytes.size() >= atoms_format.magic.size() &&
+         std::memcmp(bytes.data(), atoms_format.magic.data(), atoms_format.magic.size()) == 0;
 }
 
-void take_sources(Contents& contents, const Reader& reader, Dictionary& dictionary) {
-  const Section section = contents.take("sources", Element::i64, 4, static_cast<std::uint64_t>(dictionary.atoms()));
-  for (std::int64_t j = 0; j < dictionary.atoms(); ++j) {
-    const std::size_t at = static_cast<std::size_t>(j) * 32;
-    const auto exemplar = get<std::int64_t>(section.bytes, at), symmetry = get<std::int64_t>(section.bytes, at + 24);
-    if (exemplar < -1 || exemplar > INT32_MAX || symmetry < 0 || symmetry > 7) reader.damaged("has an atom whose source does not exist");
-    dictionary.sources.push_back({static_cast<std::int32_t>(exemplar), get<std::int64_t>(section.bytes, at + 8),
-                                  get<std::int64_t>(section.bytes, at + 16), static_cast<std::uint8_t>(symmetry)});
+bool shape_is(const Eigen::MatrixXf& matrix, std::int64_t rows, std::int64_t columns) {
+  return matrix.rows() == rows && matrix.cols() == columns;
+}
+
+bool is_magnitude(double value) { return std::isfinite(value) && value >= 0; }
+
+std::string find_atom_fault(const Dictionary& d) {
+  const std::int64_t m = d.patch_cells, fine = m * d.factor, count = d.atoms();
+  if (count < 1) return "it has no atom";
+  if (count > std::numeric_limits<std::int32_t>::max()) return "it has more atoms than codes can count";
+  if (d.low.rows() != m * m)
+    return "its atoms have " + std::to_string(d.low.rows()) + " samples, expected " + std::to_string(m * m);
+  if (!d.low.allFinite()) return "a value of an atom is not finite";
+  for (Eigen::Index j = 0; j < count; ++j)
+    if (!(std::abs(d.low.col(j).cast<double>().norm() - 1) <= norm_tolerance))
+      return "atom " + std::to_string(j) + " has no unit norm";
+  for (const Eigen::MatrixXf* part : {&d.high, &d.detail}) {
+    if (part->size() == 0) continue;
+    if (!shape_is(*part, fine * fine, count)) return "its finer atoms do not have the size of its factor and patch";
+    if (!part->allFinite()) return "a value of a finer atom is not finite";
   }
-  const std::string names = contents.take_text("exemplars");
-  if (!names.empty() && names.back() != '\0') reader.damaged("has an exemplar's name without end");
-  for (std::size_t at = 0; at < names.size(); at = names.find('\0', at) + 1)
-    dictionary.exemplars.push_back(names.substr(at, names.find('\0', at) - at));
+  return {};
 }
 
-void take_upsampler(Contents& contents, const Reader& reader, Dictionary& dictionary) {
-  if (!contents.has("upsampler_shape")) return;
-  const Section shape = contents.take("upsampler_shape", Element::i64, 2, 1);
-  const auto factor = get<std::int64_t>(shape.bytes, 0), reach = get<std::int64_t>(shape.bytes, 8);
-  if (factor < 1 || factor > most_factor || reach < 0 || reach > most_reach) reader.damaged("has an upsampler out of range");
-  const Eigen::MatrixXf weights = contents.take_matrix("upsampler");
-  dictionary.upsampler = Upsampler{static_cast<int>(factor), static_cast<int>(reach), {weights.data(), weights.data() + weights.size()}};
+std::string find_upsampler_fault(const Upsampler& upsampler, int factor) {
+  if (upsampler.factor != factor) return "its upsampler is for another factor";
+  if (upsampler.reach < 0 || upsampler.reach > most_upsampler_reach) return "the reach of its upsampler is out of range";
+  const auto weights = static_cast<std::size_t>(factor) * static_cast<std::size_t>(factor) *
+                       static_cast<std::size_t>(upsampler.side()) * static_cast<std::size_t>(upsampler.side());
+  if (upsampler.weights.size() != weights) return "its upsampler does not have the weights of its factor and reach";
+  if (!std::all_of(upsampler.weights.begin(), upsampler.weights.end(), [](float w) { return std::isfinite(w); }))
+    return "a weight of its upsampler is not finite";
+  return {};
+}
+
+std::string find_source_fault(const Dictionary& d) {
+  if (d.sources.size() != static_cast<std::size_t>(d.atoms())) return "it does not have one source for each atom";
+  const auto within = [](std::int64_t v) { return v >= -farthest_source && v <= farthest_source; };
+  for (const AtomSource& source : d.sources) {
+    if (source.exemplar < -1 || source.exemplar >= static_cast<std::int64_t>(d.exemplars.size()))
+      return "an atom comes from an exemplar that is not listed";
+    if (!within(source.x) || !within(source.y)) return "an atom comes from beyond any raster";
+    if (source.symmetry > 7) return "an atom has a symmetry that is none of the 8";
+  }
+  for (const std::string& name : d.exemplars)
+    if (name.find('\0') != std::string::npos) return "the name of an exemplar has a zero byte";
+  return {};
 }
 
 }  // namespace
 
-std::vector<std::byte> encode_dictionary(const Dictionary& dictionary) {
-  if (const std::string broken = broken_rule(dictionary); !broken.empty())
-    throw Error(ErrorKind::usage, "cannot store a dictionary with " + broken);
-  const std::int64_t parameters[3] = {static_cast<std::int64_t>(dictionary.method), dictionary.patch_cells, dictionary.factor};
-  std::vector<std::int64_t> sources;
-  for (const AtomSource& s : dictionary.sources) sources.insert(sources.end(), {s.exemplar, s.x, s.y, s.symmetry});
-  std::string exemplars;
-  for (const std::string& name : dictionary.exemplars) exemplars += name + '\0';
-
-  Sections sections;
-  sections["parameters"] = section_of(Element::i64, 3, 1, parameters);
-  sections["cell_size_m"] = section_of(Element::f64, 1, 1, &dictionary.cell_size_m);
-  sections["low"] = matrix_section(dictionary.low);
-  if (dictionary.high.size() != 0) sections["high"] = matrix_section(dictionary.high);
-  if (dictionary.detail.size() != 0) sections["detail"] = matrix_section(dictionary.detail);
-  sections["sources"] = section_of(Element::i64, 4, dictionary.atoms(), sources.data());
-  sections["exemplars"] = text_section(exemplars);
-  sections["provenance"] = text_section(dictionary.provenance);
-  std::int64_t shape[2] = {0, 0};
-  if (dictionary.upsampler) {
-    const Upsampler& u = *dictionary.upsampler;
-    shape[0] = u.factor;
-    shape[1] = u.reach;
-    const std::int64_t phases = std::int64_t{u.factor} * u.factor;
-    sections["upsampler_shape"] = section_of(Element::i64, 2, 1, shape);
-    sections["upsampler"] = section_of(Element::f32, static_cast<std::int64_t>(u.weights.size()) / phases, phases, u.weights.data());
-  }
-  for (const auto& [name, values] : dictionary.arrays) sections[name] = matrix_section(values);
-  return pack_sections(sections);
+std::string find_dictionary_fault(const Dictionary& d) {
+  if (d.method != LearningMethod::all && d.method != LearningMethod::ksvd && d.method != LearningMethod::constrained)
+    return "its learning method is none that there is";
+  if (d.patch_cells < 2 || d.patch_cells > most_patch_cells || d.patch_cells % 2 != 0)
+    return "its patches have " + std::to_string(d.patch_cells) + " cells a side, expected an even number from 2 to " +
+           std::to_string(most_patch_cells);
+  if (d.factor < 1 || d.factor > most_dictionary_factor)
+    return "its factor is " + std::to_string(d.factor) + ", expected 1 to " + std::to_string(most_dictionary_factor);
+  if (!is_magnitude(d.cell_size_m) || !is_magnitude(d.detail_power) || !is_magnitude(d.coarse_detail_power))
+    return "its cell size or the power of its detail is no number from 0 up";
+  if (std::string fault = find_atom_fault(d); !fault.empty()) return fault;
+  if (d.upsampler)
+    if (std::string fault = find_upsampler_fault(*d.upsampler, d.factor); !fault.empty()) return fault;
+  return find_source_fault(d);
 }
 
-Dictionary decode_dictionary(std::span<const std::byte> bytes, const std::string& name) {
-  const Reader reader(bytes, name);
-  Contents contents(reader.sections(), reader);
-  Dictionary dictionary;
-  take_parameters(contents, reader, dictionary);
-  dictionary.low = contents.take_matrix("low");
-  if (contents.has("high")) dictionary.high = contents.take_matrix("high");
-  if (contents.has("detail")) dictionary.detail = contents.take_matrix("detail");
-  take_sources(contents, reader, dictionary);
-  dictionary.provenance = contents.take_text("provenance");
-  take_upsampler(contents, reader, dictionary);
-  std::vector<std::string> others;
-  for (const auto& [other, section] : contents.rest()) others.push_back(other);
-  for (const std::string& other : others) dictionary.arrays[other] = contents.take_matrix(other);
-  if (const std::string broken = broken_rule(dictionary); !broken.empty()) reader.damaged("holds " + broken);
-  return dictionary;
+std::vector<std::byte> encode_dictionary(const Dictionary& d, AtomStorage storage) {
+  if (const std::string fault = find_dictionary_fault(d); !fault.empty())
+    throw Error(ErrorKind::input, "cannot store the dictionary: " + fault);
+  SectionList list;
+  list.add_integer("method", static_cast<std::int32_t>(d.method));
+  list.add_integer("patch_cells", d.patch_cells);
+  list.add_integer("factor", d.factor);
+  list.add_number("cell_size_m", d.cell_size_m);
+  list.add_number("detail_power", d.detail_power);
+  list.add_number("coarse_power", d.coarse_detail_power);
+  list.add("low", ElementType::f32, d.low.rows(), d.low.cols(), d.low.data());
+  if (d.high.size() > 0) list.add_atoms("high", d.high, storage);
+  if (d.detail.size() > 0) list.add_atoms("detail", d.detail, storage);
+  if (d.upsampler)
+    list.add("upsampler", ElementType::f32, d.upsampler->side() * d.upsampler->side(), d.factor * d.factor,
+             d.upsampler->weights.data());
+  add_sources(list, d.sources);
+  std::string names;
+  for (const std::string& name : d.exemplars) names += name + '\0';
+  list.add_text("exemplars", names);
+  list.add_text("provenance", d.provenance);
+  return encode_sections(atoms_format, list.sections());
+}
+
+Dictionary decode_dictionary(std::span<const std::byte> file, const std::string& name) {
+  return DictionaryDecoder(file, name).decode();
+}
+
+void write_dictionary(const std::string& path, const Dictionary& dictionary, bool overwrite, AtomStorage storage) {
+  write_file_atomically(path, encode_dictionary(dictionary, storage), overwrite);
+}
+
+Dictionary read_dictionary(const std::string& path) {
+  const std::vector<std::byte> start = read_file_start(path, atoms_format.magic.size());
+  return decode_dictionary(begins_as_dictionary(start) ? read_file(path) : start, path);
 }
 
 std::string dictionary_digest(const Dictionary& dictionary) {
-  const std::vector<std::byte> bytes = encode_dictionary(dictionary);
+  const std::vector<std::byte> bytes = encode_dictionary(dictionary, AtomStorage::compact);
   return digest_hex(bytes.data(), bytes.size());
 }
 
-Dictionary read_dictionary(const std::filesystem::path& path) { return decode_dictionary(read_file(path), path.string()); }
-
-void write_dictionary(const std::filesystem::path& path, const Dictionary& dictionary, bool overwrite) {
-  write_file_atomically(path, encode_dictionary(dictionary), overwrite);
+bool is_dictionary_file(const std::string& path) {
+  try {
+    return begins_as_dictionary(read_file_start(path, atoms_format.magic.size()));
+  } catch (const Error&) {
+    return false;
+  }
 }
 
 }  // namespace arete

@@ -1,119 +1,174 @@
 #include "core/support/file.h"
 
-#include <cerrno>
-#include <cstring>
-#include <string>
-
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
 #include "core/support/error.h"
 
 namespace arete {
-
+namespace fs = std::filesystem;
 namespace {
 
-std::string reason() { return std::strerror(errno); }
+constexpr std::size_t chunk_bytes = std::size_t{1} << 20;
+constexpr int most_names_tried = 1000;
+
+[[noreturn]] void fail_reading(ErrorKind kind, const std::string& path, const std::string& reason) {
+  throw Error(kind, "cannot read '" + path + "': " + reason);
+}
+
+[[noreturn]] void fail_writing(const fs::path& path, const std::string& reason) {
+  throw Error(ErrorKind::disk, "cannot write '" + path.string() + "': " + reason);
+}
+
+std::string reason_of(int error) { return std::strerror(error); }
+
+fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
 
 class Descriptor {
  public:
-  explicit Descriptor(int value) : value_(value) {}
+  explicit Descriptor(int number) : number_(number) {}
   ~Descriptor() {
-    if (value_ >= 0) ::close(value_);
+    if (number_ >= 0) ::close(number_);
   }
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
-  int get() const { return value_; }
-  bool close() {
-    const int value = value_;
-    value_ = -1;
-    return ::close(value) == 0;
-  }
+  int number() const { return number_; }
+  /// Closing may be the first to tell of a full disk (NFS).
+  bool close() { return ::close(std::exchange(number_, -1)) == 0; }
 
  private:
-  int value_;
+  int number_;
 };
 
-// Removes the temporary file unless it was renamed.
-struct Temporary {
-  std::string path;
-  ~Temporary() {
-    if (!path.empty()) ::unlink(path.c_str());
-  }
-};
-
-bool write_all(int file, std::span<const std::byte> bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    bytes = bytes.subspan(static_cast<std::size_t>(written));
-  }
-  return true;
-}
-
-void flush_folder(const std::filesystem::path& folder) {
-  const Descriptor descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
-  if (descriptor.get() >= 0) ::fsync(descriptor.get());  // some file systems cannot; the file itself is flushed
-}
-
-[[noreturn]] void refuse_existing(const std::filesystem::path& path) {
-  throw Error(ErrorKind::disk, path.string() + " exists already: choose another name or give --overwrite");
-}
-
-// Gives the temporary file its name. A link refuses to replace what appeared meanwhile; a rename replaces.
-bool publish(Temporary& temporary, const std::filesystem::path& path, bool overwrite) {
-  if (!overwrite) {
-    if (::link(temporary.path.c_str(), path.c_str()) == 0) return true;
-    if (errno == EEXIST) refuse_existing(path);
-    const bool no_links = errno == EPERM || errno == EOPNOTSUPP || errno == ENOSYS;  // as on FAT
-    if (!no_links) return false;
-    if (std::filesystem::exists(path)) refuse_existing(path);
-  }
-  if (::rename(temporary.path.c_str(), path.c_str()) != 0) return false;
-  temporary.path.clear();
-  return true;
-}
-
-}  // namespace
-
-std::vector<std::byte> read_file(const std::filesystem::path& path) {
+/// Reads up to `limit` bytes, to the end of the file at most. Not every file states its size (/proc).
+std::vector<std::byte> read_up_to(const std::string& path, std::size_t limit) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  if (file.get() < 0) throw Error(ErrorKind::input, "cannot open " + path.string() + ": " + reason());
-  struct stat status {};
-  if (::fstat(file.get(), &status) != 0 || !S_ISREG(status.st_mode))
-    throw Error(ErrorKind::input, "cannot read " + path.string() + ": not a regular file");
-  std::vector<std::byte> bytes(static_cast<std::size_t>(status.st_size));
-  std::size_t done = 0;
-  while (done < bytes.size()) {
-    const ssize_t got = ::read(file.get(), bytes.data() + done, bytes.size() - done);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) throw Error(ErrorKind::disk, "cannot read " + path.string() + ": " + reason());
-    if (got == 0) break;  // it shrank meanwhile
-    done += static_cast<std::size_t>(got);
+  if (file.number() < 0) fail_reading(ErrorKind::input, path, reason_of(errno));
+  struct stat about {};
+  if (::fstat(file.number(), &about) != 0) fail_reading(ErrorKind::disk, path, reason_of(errno));
+  if (S_ISDIR(about.st_mode)) fail_reading(ErrorKind::input, path, "it is a folder");
+  std::vector<std::byte> bytes;
+  try {
+    const auto stated = static_cast<std::size_t>(about.st_size > 0 ? about.st_size : 0);
+    bytes.reserve(std::min(limit, stated));
+    std::size_t length = 0;
+    while (length < limit) {
+      // One byte more than stated, so that the end of the file is seen without a second block.
+      const std::size_t wanted = length < stated ? stated - length + 1 : chunk_bytes;
+      bytes.resize(length + std::min(wanted, limit - length));
+      const ssize_t count = ::read(file.number(), bytes.data() + length, bytes.size() - length);
+      if (count < 0 && errno != EINTR) fail_reading(ErrorKind::disk, path, reason_of(errno));
+      if (count == 0) break;
+      if (count > 0) length += static_cast<std::size_t>(count);
+    }
+    bytes.resize(length);
+  } catch (const std::bad_alloc&) {
+    fail_reading(ErrorKind::memory, path, "it does not fit into memory");
+  } catch (const std::length_error&) {
+    fail_reading(ErrorKind::memory, path, "it does not fit into memory");
   }
-  bytes.resize(done);
   return bytes;
 }
 
-void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes, bool overwrite) {
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
-  if (std::filesystem::is_directory(path)) throw Error(ErrorKind::disk, path.string() + " is a folder: expected the name of a file");
-  if (!overwrite && std::filesystem::exists(path)) refuse_existing(path);
+void flush_folder(const fs::path& folder, const fs::path& target) {
+  const Descriptor file(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  if (file.number() < 0) fail_writing(target, reason_of(errno));
+  // Some file systems cannot flush a folder; they say EINVAL.
+  if (::fsync(file.number()) != 0 && errno != EINVAL) fail_writing(target, reason_of(errno));
+}
 
-  std::string name = (folder / ("." + path.filename().string() + ".XXXXXX")).string();
-  Descriptor file(::mkostemp(name.data(), O_CLOEXEC));
-  if (file.get() < 0) throw Error(ErrorKind::disk, "cannot write into folder " + folder.string() + ": " + reason());
-  Temporary temporary{name};
+/// A new hidden file beside its target, removed again unless it was moved into place.
+class HiddenFile {
+ public:
+  explicit HiddenFile(const fs::path& target) : target_(target), file_(create()) {}
+  ~HiddenFile() {
+    if (!path_.empty()) ::unlink(path_.c_str());
+  }
+  HiddenFile(const HiddenFile&) = delete;
+  HiddenFile& operator=(const HiddenFile&) = delete;
 
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  if (!write_all(file.get(), bytes) || ::fchmod(file.get(), 0666 & ~mask) != 0 || ::fsync(file.get()) != 0 || !file.close())
-    throw Error(ErrorKind::disk, "cannot write " + path.string() + ": " + reason());
+  void write(std::span<const std::byte> bytes) {
+    while (!bytes.empty()) {
+      const ssize_t count = ::write(file_.number(), bytes.data(), std::min(bytes.size(), std::size_t{1} << 30));
+      if (count < 0 && errno != EINTR) fail_writing(target_, reason_of(errno));
+      if (count > 0) bytes = bytes.subspan(static_cast<std::size_t>(count));
+    }
+    if (::fsync(file_.number()) != 0) fail_writing(target_, reason_of(errno));
+    if (!file_.close()) fail_writing(target_, reason_of(errno));
+  }
 
-  if (!publish(temporary, path, overwrite)) throw Error(ErrorKind::disk, "cannot write " + path.string() + ": " + reason());
-  flush_folder(folder);
+  void move_into_place(bool overwrite) {
+    const auto exists = [&] { fail_writing(target_, "it exists already; give --overwrite to replace it"); };
+    if (!overwrite) {
+      if (::renameat2(AT_FDCWD, path_.c_str(), AT_FDCWD, target_.c_str(), RENAME_NOREPLACE) == 0) return path_.clear();
+      if (errno == EEXIST) exists();
+      if (errno != EINVAL && errno != ENOSYS) fail_writing(target_, reason_of(errno));
+      // A file system without that kind of rename: a second name for the file does not replace one either.
+      if (::link(path_.c_str(), target_.c_str()) == 0) return;
+      if (errno == EEXIST) exists();
+      if (errno != EPERM && errno != EOPNOTSUPP) fail_writing(target_, reason_of(errno));
+      if (::access(target_.c_str(), F_OK) == 0) exists();
+    }
+    if (::rename(path_.c_str(), target_.c_str()) != 0) fail_writing(target_, reason_of(errno));
+    path_.clear();
+  }
+
+ private:
+  int create() {
+    for (int i = 0; i < most_names_tried; ++i) {
+      path_ = folder_of(target_) / (".arete-" + std::to_string(::getpid()) + "-" + std::to_string(i));
+      const int number = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (number >= 0) return number;
+      if (errno != EEXIST) break;
+    }
+    const int reason = errno;
+    path_.clear();
+    fail_writing(target_, "cannot make a file in the folder '" + folder_of(target_).string() + "': " + reason_of(reason));
+  }
+
+  fs::path target_;
+  fs::path path_;
+  Descriptor file_;
+};
+
+}  // namespace
+
+std::vector<std::byte> read_file(const std::string& path) { return read_up_to(path, static_cast<std::size_t>(-1)); }
+
+std::vector<std::byte> read_file_start(const std::string& path, std::size_t count) { return read_up_to(path, count); }
+
+void check_output_file(const std::string& path, bool overwrite) {
+  const fs::path target(path);
+  if (path.empty() || !target.has_filename()) fail_writing(target, "no file name given");
+  const fs::path folder = folder_of(target);
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) fail_writing(target, "the folder '" + folder.string() + "' does not exist");
+  const fs::file_status there = fs::symlink_status(target, ignored);
+  if (fs::exists(there)) {
+    if (fs::is_directory(target, ignored)) fail_writing(target, "it is a folder");
+    if (!fs::is_regular_file(there) && !fs::is_symlink(there)) fail_writing(target, "it is no plain file");
+    if (!overwrite) fail_writing(target, "it exists already; give --overwrite to replace it");
+  }
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    fail_writing(target, "cannot make a file in the folder '" + folder.string() + "': " + reason_of(errno));
+}
+
+void write_file_atomically(const std::string& path, std::span<const std::byte> bytes, bool overwrite) {
+  check_output_file(path, overwrite);
+  HiddenFile file(path);
+  file.write(bytes);
+  file.move_into_place(overwrite);
+  flush_folder(folder_of(path), path);
 }
 
 }  // namespace arete

@@ -1,17 +1,26 @@
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace arete {
 
-/// The bytes of a file. Throws Error{input} where it is missing, a folder or unreadable, Error{disk} where reading fails.
-std::vector<std::byte> read_file(const std::filesystem::path& path);
+/// All bytes of a file. Throws Error{input} where it cannot be opened or is a folder, Error{disk} where reading fails half-way,
+/// Error{memory} where it does not fit into memory.
+std::vector<std::byte> read_file(const std::string& path);
 
-/// Writes a file whole or not at all: a temporary name beside it, flushed to the disk, then renamed. Without `overwrite` a file that exists
-/// is left alone, even one that appears meanwhile. Throws Error{disk} where it exists, or its folder is missing, read-only or full.
-void write_file_atomically(const std::filesystem::path& path, std::span<const std::byte> bytes, bool overwrite);
+/// The first `count` bytes of a file, fewer where it is shorter. Throws as read_file.
+std::vector<std::byte> read_file_start(const std::string& path, std::size_t count);
+
+/// Throws Error{disk} where write_file_atomically would refuse `path` before writing: it exists (unless `overwrite`), is a folder
+/// or a device, its folder is missing or cannot be written to. Call it before long work. Nothing is reserved.
+void check_output_file(const std::string& path, bool overwrite);
+
+/// Writes a file that appears under its name only when it is whole: a hidden file beside it is written, flushed to the disk and
+/// renamed, and the folder is flushed. Without `overwrite` it never replaces a file, even one that appeared meanwhile. Where
+/// it fails nothing is left behind. Throws Error{disk}.
+void write_file_atomically(const std::string& path, std::span<const std::byte> bytes, bool overwrite);
 
 }  // namespace arete
