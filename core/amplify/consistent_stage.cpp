@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/amplify/activity.h"
 #include "core/amplify/blend.h"
@@ -48,27 +49,25 @@ class ConsistentStage final : public Stage {
     Raster<float> extended(coarse.width, coarse.height);
     extend_into_voids(coarse, continued(), extended.view());
     const Raster<std::uint8_t> water = find_flat_water(coarse);
-    const int reach = upsampler().reach, beyond = margin() - reach;
-    const Window with_reach = grow(window, reach), local{beyond, beyond, with_reach.width, with_reach.height};
-    const Window inner{margin(), margin(), window.width, window.height}, shore = grow(inner, 1);
-
-    RasterView<const float> detail_mean;
-    Detail detail;
+    const Window inner{margin(), margin(), window.width, window.height};
+    CodedPatches coded;
+    Eigen::MatrixXf amplitudes;
     const bool codes_wanted = options_.detail > 0 || out.uncertainty.data || out.exemplar.data || out.atom.data;
     if (codes_wanted && dictionary_.detail.cols() > 0) {
-      const CodedPatches coded = code_patches(std::as_const(extended).view(), window.x - margin(), window.y - margin(), with_reach, grid_,
-                                              coding_, options_.sparsity, &meter_, threads);
-      if (options_.detail > 0) {
-        detail = make_detail(coded, with_reach, coarse.sub(local), std::as_const(water).view().sub(local), threads);
-        detail_mean = std::as_const(detail.mean).view();
-        copy_inner(detail.fine.view(), reach * factor(), out.elevation, threads);
-      }
+      coded = code_patches(std::as_const(extended).view(), window.x - margin(), window.y - margin(), grow(window, upsampler().reach), grid_,
+                           coding_, options_.sparsity, &meter_, threads);
+      amplitudes = scale_codes(coded);
       map_sources(coded, grid_, dictionary_.sources, factor(), window, coarse.sub(inner), out);
       if (out.uncertainty.data) estimate_error(coded, window, coarse.sub(inner), std::as_const(water).view().sub(inner), out.uncertainty, threads);
     }
-    upsample(upsampler(), std::as_const(extended).view().sub(local), detail_mean, out.elevation, threads);
-    settle_shores(coarse.sub(shore), std::as_const(water).view().sub(shore), factor(), out.elevation);
-    restore_voids(coarse.sub(inner), factor(), out.elevation);
+    // Tiles that fit a core's cache, each from detail to finished cells.
+    const std::int64_t across = (window.width + tile_side - 1) / tile_side, down = (window.height + tile_side - 1) / tile_side;
+    parallel_for(across * down, threads, [&](std::int64_t t) {
+      const std::int64_t x = t % across * tile_side, y = t / across * tile_side;
+      const Window tile{x, y, std::min(tile_side, window.width - x), std::min(tile_side, window.height - y)};
+      finish_tile(window, tile, coarse, std::as_const(extended).view(), std::as_const(water).view(), coded, amplitudes,
+                  out.elevation.sub({x * factor(), y * factor(), tile.width * factor(), tile.height * factor()}));
+    });
   }
 
  private:
@@ -76,15 +75,42 @@ class ConsistentStage final : public Stage {
   int patch_reach() const { return dictionary_.patch_cells - 1; }
   int continued() const { return std::max(upsampler().reach, patch_reach()); }
 
-  /// Every patch's code scaled to the variance that its activity foretells; cells of voids and water lend no detail.
-  Detail make_detail(const CodedPatches& coded, const Window& window, RasterView<const float> coarse, RasterView<const std::uint8_t> water,
-                     int threads) const {
+  static constexpr std::int64_t tile_side = 64;  // coarse cells
+
+  /// Every patch's code scaled to the variance that its activity foretells.
+  Eigen::MatrixXf scale_codes(const CodedPatches& coded) const {
     const double amplitude = options_.detail * std::sqrt(dictionary_.detail_power);
     Eigen::MatrixXf scaled = coded.codes.coefficients;
     for (Eigen::Index i = 0; i < scaled.cols(); ++i) {
       const float norm = scaled.col(i).norm();
       scaled.col(i) *= norm > 0 ? static_cast<float>(amplitude * static_cast<double>(coded.activity[static_cast<std::size_t>(i)] / norm)) : 0.0f;
     }
+    return scaled;
+  }
+
+  /// A tile of the window; `coarse`, `extended` and `water` are the window with its margin.
+  void finish_tile(const Window& window, const Window& tile, RasterView<const float> coarse, RasterView<const float> extended,
+                   RasterView<const std::uint8_t> water, const CodedPatches& coded, const Eigen::MatrixXf& amplitudes,
+                   RasterView<float> out) const {
+    const int reach = upsampler().reach;
+    const Window inner{margin() + tile.x, margin() + tile.y, tile.width, tile.height}, around = grow(inner, reach);
+    Detail detail;
+    RasterView<const float> detail_mean;
+    if (options_.detail > 0 && amplitudes.cols() > 0) {
+      const Window of_grid{window.x + tile.x - reach, window.y + tile.y - reach, around.width, around.height};
+      detail = make_detail(coded, amplitudes, of_grid, coarse.sub(around), water.sub(around));
+      detail_mean = std::as_const(detail.mean).view();
+      for (std::int64_t y = 0; y < out.height; ++y)
+        std::copy_n(detail.fine.view().row(y + reach * factor()) + reach * factor(), out.width, out.row(y));
+    }
+    upsample(upsampler(), extended.sub(around), detail_mean, out);
+    settle_shores(coarse.sub(grow(inner, 1)), water.sub(grow(inner, 1)), factor(), out);
+    restore_voids(coarse.sub(inner), factor(), out);
+  }
+
+  /// The blended detail of a window of the grid; cells of voids and water lend none.
+  Detail make_detail(const CodedPatches& coded, const Eigen::MatrixXf& amplitudes, const Window& window, RasterView<const float> coarse,
+                     RasterView<const std::uint8_t> water) const {
     const int f = factor();
     Detail detail{Raster<float>(window.width * f, window.height * f), Raster<float>(window.width, window.height)};
     blend_patches(
@@ -92,13 +118,12 @@ class ConsistentStage final : public Stage {
         [&](std::int64_t column, std::int64_t row) {
           const std::int64_t i = coded.index(column, row);
           return PatchTerms{0, coded.known[static_cast<std::size_t>(i)] != 0, coded.codes.sparsity(), coded.codes.atoms.col(i).data(),
-                            scaled.col(i).data()};
+                            amplitudes.col(i).data()};
         },
-        detail.fine.view(), threads);
-    parallel_for(window.height, threads, [&](std::int64_t y) {
+        detail.fine.view(), 1);
+    for (std::int64_t y = 0; y < window.height; ++y)
       for (std::int64_t x = 0; x < window.width; ++x)
         detail.mean(x, y) = average_block(detail.fine.view().sub({x * f, y * f, f, f}), is_void(coarse(x, y)) || water(x, y));
-    });
     return detail;
   }
 
@@ -110,10 +135,6 @@ class ConsistentStage final : public Stage {
         sum += static_cast<double>(block(i, j));
       }
     return static_cast<float>(sum / static_cast<double>(block.width * block.height));
-  }
-
-  static void copy_inner(RasterView<const float> from, std::int64_t margin, RasterView<float> to, int threads) {
-    parallel_for(to.height, threads, [&](std::int64_t y) { std::copy_n(from.row(y + margin) + margin, to.width, to.row(y)); });
   }
 
   /// The linear answer misses the detail's variance; detail that is added is as far from the truth again.

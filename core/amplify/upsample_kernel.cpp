@@ -55,6 +55,58 @@ void sum_taps_impl(const float* const* z, const float* const* e, int reach, cons
     for (std::int64_t x = 0; x < count; x += step) sum_block<1>(d, z, e, reach, weights + p * taps, taps, x, out + p * stride, stride);
 }
 
+void place_scalar(const float* z, const float* e, const float* sums, std::int64_t stride, int factor, std::int64_t begin, std::int64_t end,
+                  float* out) {
+  for (std::int64_t x = begin; x < end; ++x)
+    for (int p = 0; p < factor; ++p) {
+      float& cell = out[x * factor + p];
+      const float sum = sums[p * stride + x];
+      cell = z[x] + (e ? sum + (cell - e[x]) : sum);
+    }
+}
+
+template <class D>
+void place_four(D d, const float* z, const float* e, const float* sums, std::int64_t stride, std::int64_t x, float* out) {
+  const auto centre = hn::LoadU(d, z + x);
+  auto a = hn::LoadU(d, sums + x), b = hn::LoadU(d, sums + stride + x), c = hn::LoadU(d, sums + 2 * stride + x),
+       f = hn::LoadU(d, sums + 3 * stride + x);
+  if (e) {
+    const auto mean = hn::LoadU(d, e + x);
+    hn::Vec<D> p, q, r, s;
+    hn::LoadInterleaved4(d, out + 4 * x, p, q, r, s);
+    a = hn::Add(a, hn::Sub(p, mean));
+    b = hn::Add(b, hn::Sub(q, mean));
+    c = hn::Add(c, hn::Sub(r, mean));
+    f = hn::Add(f, hn::Sub(s, mean));
+  }
+  hn::StoreInterleaved4(hn::Add(centre, a), hn::Add(centre, b), hn::Add(centre, c), hn::Add(centre, f), d, out + 4 * x);
+}
+
+template <class D>
+void place_two(D d, const float* z, const float* e, const float* sums, std::int64_t stride, std::int64_t x, float* out) {
+  const auto centre = hn::LoadU(d, z + x);
+  auto a = hn::LoadU(d, sums + x), b = hn::LoadU(d, sums + stride + x);
+  if (e) {
+    const auto mean = hn::LoadU(d, e + x);
+    hn::Vec<D> p, q;
+    hn::LoadInterleaved2(d, out + 2 * x, p, q);
+    a = hn::Add(a, hn::Sub(p, mean));
+    b = hn::Add(b, hn::Sub(q, mean));
+  }
+  hn::StoreInterleaved2(hn::Add(centre, a), hn::Add(centre, b), d, out + 2 * x);
+}
+
+void place_phases_impl(const float* z, const float* e, const float* sums, std::int64_t stride, int factor, std::int64_t count, float* out) {
+  const hn::CappedTag<float, 8> d;
+  const auto lanes = static_cast<std::int64_t>(hn::Lanes(d));
+  std::int64_t x = 0;
+  if (factor == 4)
+    for (; x + lanes <= count; x += lanes) place_four(d, z, e, sums, stride, x, out);
+  if (factor == 2)
+    for (; x + lanes <= count; x += lanes) place_two(d, z, e, sums, stride, x, out);
+  place_scalar(z, e, sums, stride, factor, x, count, out);
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace arete
 HWY_AFTER_NAMESPACE();
@@ -67,6 +119,12 @@ HWY_EXPORT(sum_taps_impl);
 void sum_taps(const float* const* z, const float* const* e, int reach, const float* weights, int phases, std::int64_t count, float* out,
               std::int64_t stride) {
   HWY_DYNAMIC_DISPATCH(sum_taps_impl)(z, e, reach, weights, phases, count, out, stride);
+}
+
+HWY_EXPORT(place_phases_impl);
+
+void place_phases(const float* z, const float* e, const float* sums, std::int64_t stride, int factor, std::int64_t count, float* out) {
+  HWY_DYNAMIC_DISPATCH(place_phases_impl)(z, e, sums, stride, factor, count, out);
 }
 
 }  // namespace arete

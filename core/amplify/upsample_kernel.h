@@ -11,4 +11,8 @@ namespace arete {
 void sum_taps(const float* const* z, const float* const* e, int reach, const float* weights, int phases, std::int64_t count, float* out,
               std::int64_t stride);
 
+/// One row of fine cells from the sums of its `factor` phases (each `stride` floats apart): out[x f + p] = z[x] + (sum_p[x] +
+/// (out[x f + p] - e[x])), or z[x] + sum_p[x] where e is null and `out` is overwritten.
+void place_phases(const float* z, const float* e, const float* sums, std::int64_t stride, int factor, std::int64_t count, float* out);
+
 }  // namespace arete

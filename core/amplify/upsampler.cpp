@@ -166,16 +166,8 @@ void upsample(const Upsampler& upsampler, RasterView<const float> coarse, Raster
       sum_taps(z_rows.data(), e.empty() ? nullptr : e_rows.data(), r, upsampler.weights.data(), f * f, w, sums.data(), stride);
       const float* centre = coarse.row(y + r) + r;
       const float* mean = detail_mean.data ? detail_mean.row(y + r) + r : nullptr;
-      for (int py = 0; py < f; ++py) {
-        float* out = fine.row(y * f + py);
-        for (int px = 0; px < f; ++px) {
-          const float* sum = sums.data() + (py * f + px) * stride;
-          if (mean)
-            for (std::int64_t x = 0; x < w; ++x) out[x * f + px] = centre[x] + (sum[x] + (out[x * f + px] - mean[x]));
-          else
-            for (std::int64_t x = 0; x < w; ++x) out[x * f + px] = centre[x] + sum[x];
-        }
-      }
+      for (int py = 0; py < f; ++py)
+        place_phases(centre, mean, sums.data() + py * f * stride, stride, f, w, fine.row(y * f + py));
     }
   });
 }
