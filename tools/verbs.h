@@ -9,6 +9,8 @@
 namespace arete::tools {
 
 // One file per verb: each adds its options and its action to the command line.
+void add_learn(CLI::App& app, std::shared_ptr<CommonOptions> common);
+void add_amplify(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_compare(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_info(CLI::App& app, std::shared_ptr<CommonOptions> common);
