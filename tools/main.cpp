@@ -72,6 +72,7 @@ int main(int argc, char** argv) {
   common->command_line = arete::tools::quote_command_line(argc, argv);
   arete::tools::add_learn(app, common);
   arete::tools::add_amplify(app, common);
+  arete::tools::add_demo(app, common);
   arete::tools::add_compare(app, common);
   arete::tools::add_preview(app, common);
   arete::tools::add_info(app, common);
