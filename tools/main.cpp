@@ -2,11 +2,13 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <new>
 #include <string>
 
 #include "tools/command.h"
 #include "tools/completion.h"
+#include "tools/help.h"
 #include "tools/manual.h"
 #include "tools/verbs.h"
 
@@ -61,11 +63,11 @@ int run(CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Amplify, compress, mesh and draw real elevation data.", "arete");
+  CLI::App app("Make real elevation data finer, compare it and draw it.", "arete");
+  app.formatter(std::make_shared<arete::tools::HelpFormatter>());
   app.set_version_flag("--version", "arete " ARETE_VERSION, "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
   app.require_subcommand(1);
-  app.get_formatter()->label("SUBCOMMAND", "VERB");
   app.footer("'arete VERB --help' explains a verb and gives an example.");
 
   const auto common = std::make_shared<arete::tools::CommonOptions>();

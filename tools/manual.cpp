@@ -8,6 +8,7 @@
 #include <sstream>
 
 #include "core/support/error.h"
+#include "tools/help.h"
 
 namespace arete::tools {
 namespace {
@@ -40,12 +41,12 @@ void write_heading(std::ostream& out, const std::string& page, const std::string
 
 /// "--factor N" of an option, "IN" of an argument.
 std::string usage_of(const CLI::Option& option) {
-  if (!option.nonpositional()) return option.get_name(true) + (option.get_items_expected_max() > 1 ? "..." : "");
+  if (!option.nonpositional()) return option.get_name(true);
   std::string names;
   for (const std::string& name : option.get_snames()) names += (names.empty() ? "-" : ", -") + name;
   for (const std::string& name : option.get_lnames()) names += (names.empty() ? "--" : ", --") + name;
-  if (option.get_items_expected_max() > 0 && !option.get_type_name().empty()) names += ' ' + option.get_type_name();
-  return names;
+  const std::string type = readable_type(option);
+  return type.empty() ? names : names + ' ' + type;
 }
 
 void write_options(std::ostream& out, const CLI::App& app, bool positional) {

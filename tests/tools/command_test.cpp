@@ -86,4 +86,15 @@ TEST(Manual, HasAPageForTheCommandAndForAVerb) {
   EXPECT_THAT(run("--help").out, Not(HasSubstr("\n  man ")));
 }
 
+TEST(Help, SaysWhatAnOptionTakesInPlainWords) {
+  for (const char* verb : {"learn", "amplify", "compare", "preview", "info", "demo", "completion"}) {
+    const std::string help = run(std::string(verb) + " --help").out;
+    for (const char* jargon : {"INT", "FLOAT", "TEXT", "in [", "POSITIVE", "(1x)", "{"}) EXPECT_THAT(help, Not(HasSubstr(jargon))) << verb;
+    EXPECT_THAT(help, HasSubstr("Example:")) << verb;
+    EXPECT_THAT(run(std::string("man ") + verb).out, Not(HasSubstr("INT"))) << verb;
+  }
+  EXPECT_THAT(run("amplify --help").out, HasSubstr("--method consistent|paper"));
+  EXPECT_THAT(run("amplify --help").out, HasSubstr("--detail 0..1"));
+}
+
 }  // namespace
