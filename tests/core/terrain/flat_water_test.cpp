@@ -39,15 +39,33 @@ bool in_level_square(const Raster<float>& cells, std::int64_t x, std::int64_t y)
   return false;
 }
 
+/// The definition, plainly: squares, then as many steps as allowed into equal neighbours.
+Raster<std::uint8_t> grow_squares(const Raster<float>& cells) {
+  Raster<std::uint8_t> water(cells.width(), cells.height());
+  for (std::int64_t y = 0; y < cells.height(); ++y)
+    for (std::int64_t x = 0; x < cells.width(); ++x) water(x, y) = in_level_square(cells, x, y) ? 1 : 0;
+  for (int step = 0; step < flat_water_growth; ++step) {
+    const Raster<std::uint8_t> before = water.clone();
+    for (std::int64_t y = 0; y < cells.height(); ++y)
+      for (std::int64_t x = 0; x < cells.width(); ++x) {
+        const auto joins = [&](std::int64_t i, std::int64_t j) {
+          return i >= 0 && j >= 0 && i < cells.width() && j < cells.height() && before(i, j) && cells(i, j) == cells(x, y);
+        };
+        if (joins(x - 1, y) || joins(x + 1, y) || joins(x, y - 1) || joins(x, y + 1)) water(x, y) = 1;
+      }
+  }
+  return water;
+}
+
 TEST(FlatWater, IsTheDefinitionOnRandomTerrainOfFewHeights) {
   Raster<float> cells(60, 50);
   for (std::int64_t y = 0; y < 50; ++y)
     for (std::int64_t x = 0; x < 60; ++x)
       cells(x, y) = uniform_at(1, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)) < 0.04 ? 1.0f : 0.0f;
   for (std::int64_t i = 0; i < 40; ++i) cells(i, 20) = void_value;
-  const Raster<std::uint8_t> water = find_flat_water(cells.view());
+  const Raster<std::uint8_t> water = find_flat_water(cells.view()), expected = grow_squares(cells);
   for (std::int64_t y = 0; y < 50; ++y)
-    for (std::int64_t x = 0; x < 60; ++x) EXPECT_EQ(water(x, y), in_level_square(cells, x, y) ? 1 : 0) << x << ", " << y;
+    for (std::int64_t x = 0; x < 60; ++x) EXPECT_EQ(water(x, y), expected(x, y)) << x << ", " << y;
   EXPECT_GT(count(water), 100);
 }
 
@@ -75,6 +93,13 @@ TEST(FlatWater, TwoLakesOfDifferentLevelsBothCountButNoSquareAcrossThem) {
   level(cells, {2, 2, 5, 6}, 10);
   level(cells, {7, 2, 3, 6}, 11);
   EXPECT_EQ(count(find_flat_water(cells.view())), 30);
+}
+
+TEST(FlatWater, ReachesIntoANarrowChannelButNotForEver) {
+  Raster<float> cells = rough(30, 12);
+  level(cells, {0, 2, 5, 6}, 0);
+  level(cells, {5, 4, 20, 1}, 0);
+  EXPECT_EQ(count(find_flat_water(cells.view())), 30 + flat_water_growth);
 }
 
 TEST(FlatWater, VoidsAndASmallRasterHaveNone) {
