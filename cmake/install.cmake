@@ -6,7 +6,7 @@ set(ARETE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/arete)
 install(TARGETS arete_tool RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(TARGETS arete_core arete_gis EXPORT areteTargets)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/core ${PROJECT_SOURCE_DIR}/gis
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/arete FILES_MATCHING PATTERN "*.h")
+  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/arete FILES_MATCHING PATTERN "*.h" PATTERN gdal_errors.h EXCLUDE)
 
 install(EXPORT areteTargets NAMESPACE arete:: DESTINATION ${ARETE_CMAKE_DIR})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/areteConfig.cmake.in ${PROJECT_BINARY_DIR}/areteConfig.cmake

@@ -30,5 +30,5 @@ for script in bash-completion/completions/arete zsh/site-functions/_arete fish/v
   [ -s "$prefix/share/$script" ] || { echo "$script is not installed" >&2; exit 1; }
 done
 # The completion that is installed offers the verbs.
-bash -c '. "$1"; COMP_WORDS=(arete comp); COMP_CWORD=1; _arete; [ "${COMPREPLY[*]}" = completion ]' _ \
-  "$prefix/share/bash-completion/completions/arete" || { echo "bash completion does not complete 'arete comp'" >&2; exit 1; }
+bash -c '. "$1"; COMP_WORDS=(arete complet); COMP_CWORD=1; _arete; [ "${COMPREPLY[*]}" = completion ]' _ \
+  "$prefix/share/bash-completion/completions/arete" || { echo "bash completion does not complete 'arete complet'" >&2; exit 1; }
