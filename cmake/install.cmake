@@ -15,6 +15,8 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/areteConfigVersion.cmake 
 install(FILES ${PROJECT_BINARY_DIR}/areteConfig.cmake ${PROJECT_BINARY_DIR}/areteConfigVersion.cmake
   ${CMAKE_CURRENT_LIST_DIR}/FindFLANN.cmake DESTINATION ${ARETE_CMAKE_DIR})
 
+install(DIRECTORY ${PROJECT_SOURCE_DIR}/dictionaries/ DESTINATION ${CMAKE_INSTALL_DATADIR}/arete/dictionaries)
+
 # The command writes its own manual pages and completions, from the options that it has.
 set(ARETE_DOC_DIR ${PROJECT_BINARY_DIR}/generated)
 add_custom_command(OUTPUT ${ARETE_DOC_DIR}/stamp
