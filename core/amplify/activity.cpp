@@ -1,11 +1,25 @@
 #include "core/amplify/activity.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 
 #include "core/sparse/patch_grid.h"
 
 namespace arete {
+namespace {
+
+/// What the curvature <|H z|^2> of a plane can seem to be by the rounding of its elevations: half a spacing (2^-23 relative) in each sample gives
+/// |xx|, |yy| of 2 spacings, |xy| of 1/2, 8.5 in the squared norm; twice that for planes that were continued. The fourth root would
+/// make 1 cm of detail of the 0.2 mm of rounding at 3000 m.
+double rounding_curvature(const float* cells, int count) {
+  double height = 0;
+  for (int i = 0; i < count; ++i) height = std::max(height, std::abs(static_cast<double>(cells[i])));
+  const double spacing = 0x1p-23 * height;
+  return 17 * spacing * spacing;
+}
+
+}  // namespace
 
 ActivityMeter::ActivityMeter(int patch_cells) : cells_(patch_cells) {
   assert(patch_cells >= 4);
@@ -32,7 +46,9 @@ float ActivityMeter::measure(const float* cells) const {
       gradient += weights_[k] * (gx * gx + gy * gy);
       curvature += weights_[k] * (xx * xx + yy * yy + 2 * xy * xy);
     }
-  return static_cast<float>(std::sqrt(std::sqrt(gradient * curvature)));
+  // (A NaN stays one.)
+  const double relief = curvature - rounding_curvature(cells, m * m);
+  return static_cast<float>(std::sqrt(std::sqrt(gradient * (relief < 0 ? 0 : relief))));
 }
 
 }  // namespace arete
