@@ -46,18 +46,20 @@ void judge_exemplars(const RasterSource& terrain, const Dictionary& dictionary, 
   if (report.unlike) report.detail_scale = std::sqrt(report.likeness);
 }
 
-void check(const AmplifyOptions& options) {
+void check(const AmplifyOptions& options, const Dictionary& dictionary) {
   if (!(options.detail >= 0 && options.detail <= 1))
     throw Error(ErrorKind::usage, "amplify: detail of " + std::to_string(options.detail) + ": expected 0 (least error) to 1 (natural)");
   if (options.sparsity < 1) throw Error(ErrorKind::usage, "amplify: sparsity of " + std::to_string(options.sparsity) + ": expected at least 1");
   if (options.uncertainty && options.method == AmplifyMethod::paper)
     throw Error(ErrorKind::usage, "amplify: the published method has no error model: use --method consistent for an uncertainty band");
+  if ((options.uncertainty || options.sources) && options.method == AmplifyMethod::consistent && dictionary.detail.cols() == 0)
+    throw Error(ErrorKind::input, "amplify: the dictionary has no detail atoms, which the uncertainty and source bands tell of: learn it with --factor");
 }
 
-std::unique_ptr<Stage> make_stage(Dictionary dictionary, const AmplifyOptions& options, double detail_scale) {
+std::unique_ptr<Stage> make_stage(Dictionary dictionary, const AmplifyOptions& options) {
   if (options.method == AmplifyMethod::paper)
     return make_paper_stage(std::move(dictionary), {options.sparsity, options.pitch, options.threads});
-  return make_consistent_stage(std::move(dictionary), {options.detail * detail_scale, options.sparsity, options.pitch, options.threads});
+  return make_consistent_stage(std::move(dictionary), {options.detail, options.sparsity, options.pitch, options.threads});
 }
 
 /// Side of the windows, in fine cells: a whole number of coarse cells of the last stage. One window costs about 24 bytes per fine cell
@@ -100,6 +102,7 @@ struct WindowBands {
 }  // namespace
 
 int count_stages(int factor, int dictionary_factor) {
+  if (factor < 2) throw Error(ErrorKind::usage, "amplify: factor " + std::to_string(factor) + ": expected at least 2");
   int stages = 0;
   std::int64_t reached = 1;
   while (dictionary_factor >= 2 && reached < factor) {
@@ -114,13 +117,15 @@ int count_stages(int factor, int dictionary_factor) {
 
 AmplifyReport amplify(const RasterSource& terrain, Dictionary dictionary, const AmplifyOptions& options, RasterSink& out,
                       Progress& progress) {
-  check(options);
+  check(options, dictionary);
   AmplifyReport report;
   report.stages = count_stages(options.factor, dictionary.factor);
-  const bool detailed = options.method == AmplifyMethod::consistent && options.detail > 0;
-  if (detailed) judge_exemplars(terrain, dictionary, report);
+  const bool judged = options.method == AmplifyMethod::consistent && (options.detail > 0 || options.uncertainty);
+  if (judged) judge_exemplars(terrain, dictionary, report);
+  // The power, not only what is added of it: the error of the linear answer is the input's, too.
+  dictionary.detail_power *= report.detail_scale * report.detail_scale;
   const std::int64_t dictionary_bytes = bytes_of(dictionary);
-  const std::unique_ptr<Stage> stage = make_stage(std::move(dictionary), options, report.detail_scale);
+  const std::unique_ptr<Stage> stage = make_stage(std::move(dictionary), options);
 
   std::vector<std::unique_ptr<AmplifiedTerrain>> chain;
   for (int i = 0; i < report.stages; ++i)

@@ -31,7 +31,7 @@ struct AmplifyReport {
   /// Power of the detail that the input shows between its own cells and cells `factor` times larger, over that of the exemplars at
   /// the same scale; 0 where one of them is too small to tell.
   double likeness = 0;
-  bool unlike = false;     ///< likeness beyond a factor of `most_unlike`: the detail was scaled by its root
+  bool unlike = false;     ///< likeness beyond a factor of `most_unlike`: the detail (and its uncertainty) was scaled by its root
   double detail_scale = 1;
 };
 
@@ -39,12 +39,13 @@ struct AmplifyReport {
 /// smooth hill and of a desert with ledges differ by 20.
 inline constexpr double most_unlike = 3;
 
-/// How many stages of `dictionary_factor` make `factor`. Throws Error{usage} where it is no power of it.
+/// How many stages of `dictionary_factor` make `factor`. Throws Error{usage} where it is no power of it, or less than 2.
 int count_stages(int factor, int dictionary_factor);
 
 /// Amplifies `terrain` by the dictionary into `out`: band 0 the elevation, then uncertainty, exemplar, atom as far as wanted (see
 /// AmplifiedBands), by windows that fit the memory budget. The result does not depend on the budget or on threads.
-/// Throws Error{usage} for options out of range, Error{memory} where the budget is too small for the dictionary and one window.
+/// Throws Error{usage} for options out of range, Error{input} where the dictionary lacks what is wanted, Error{memory} where the
+/// budget is too small for the dictionary and one window.
 /// Cost per fine cell (defaults): about 81 + 4 multiply-adds, plus N K / (pitch factor)^2 to find the atoms.
 AmplifyReport amplify(const RasterSource& terrain, Dictionary dictionary, const AmplifyOptions& options, RasterSink& out,
                       Progress& progress);
