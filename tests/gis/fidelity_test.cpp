@@ -1,5 +1,5 @@
 // Fidelity on real terrain. The expected errors are those of one 9 x 9 ridge regression in a NumPy prototype, measured on the same files by
-// the same protocol: input = area average, voids and 6 coarse cells along the border left out.
+// the same protocol: input = area average; voids, and the 6 coarse cells nearest to them and to the border, left out.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -48,10 +48,10 @@ struct Trial {
   }
 
   bool counts(std::int64_t x, std::int64_t y) const {  // coarse cells
-    constexpr std::int64_t border = 6, reach = 4;
+    constexpr std::int64_t border = 6;
     if (x < border || y < border || x >= coarse.width() - border || y >= coarse.height() - border) return false;
-    for (std::int64_t j = y - reach; j <= y + reach; ++j)
-      for (std::int64_t i = x - reach; i <= x + reach; ++i)
+    for (std::int64_t j = y - border; j <= y + border; ++j)
+      for (std::int64_t i = x - border; i <= x + border; ++i)
         if (is_void(coarse(i, j))) return false;
     return true;
   }
@@ -59,12 +59,14 @@ struct Trial {
   double rmse() const {
     double sum = 0;
     std::int64_t cells = 0;
-    for (std::int64_t y = 0; y < truth.height(); ++y)
-      for (std::int64_t x = 0; x < truth.width(); ++x)
-        if (counts(x / factor, y / factor)) {
-          sum += std::pow(static_cast<double>(fine(x, y)) - static_cast<double>(truth(x, y)), 2);
-          ++cells;
+    for (std::int64_t y = 0; y < coarse.height(); ++y)
+      for (std::int64_t x = 0; x < coarse.width(); ++x) {
+        if (!counts(x, y)) continue;
+        for (std::int64_t k = 0; k < factor * factor; ++k, ++cells) {
+          const std::int64_t i = x * factor + k % factor, j = y * factor + k / factor;
+          sum += std::pow(static_cast<double>(fine(i, j)) - static_cast<double>(truth(i, j)), 2);
         }
+      }
     return std::sqrt(sum / static_cast<double>(cells));
   }
 
@@ -104,7 +106,7 @@ TEST_P(Fidelity, WithoutDetailTheErrorIsThatOfTheRegressionAndTheInputIsKept) {
   dictionary.factor = row.factor;
   dictionary.upsampler = train_upsampler({exemplar.view()}, row.factor);
   const Trial trial(input, std::move(dictionary), 0);
-  RecordProperty("rmse_m", std::to_string(trial.rmse()));
+  RecordProperty("rmse_m", std::to_string(trial.rmse()));  // with --gtest_output=json
   EXPECT_LT(trial.rmse(), 1.01 * row.linear_rmse_m) << row.exemplar << " -> " << row.input << " x" << row.factor;
   EXPECT_LE(trial.inconsistency(), 1) << row.exemplar << " -> " << row.input << " x" << row.factor;
 }
@@ -159,7 +161,7 @@ TEST(Nature, ARoughExemplarForASmoothHillIsNoticed) {
   const Trial trial(input, learn(exemplar, 4), 1);
   EXPECT_TRUE(trial.report.unlike);
   EXPECT_LT(trial.report.detail_scale, 0.6);
-  EXPECT_LT(trial.rmse(), 0.0404);  // bicubic
+  EXPECT_LT(trial.rmse(), 1.1 * std::sqrt(2) * 0.0282);  // independent detail of the input's own power, 10 % for its estimate
 }
 
 }  // namespace
