@@ -11,7 +11,7 @@
 namespace arete::tools {
 
 /// What `arete info` says of a file: the same in words and as data.
-struct Report {
+struct FileReport {
   std::string text;
   nlohmann::json data;
 };
@@ -20,9 +20,13 @@ struct Report {
 struct InfoOptions {
   std::string file;
   DemReadOptions dem;
+  std::string sheet;  ///< where to draw the atoms of a dictionary; empty: nowhere
 };
 
 /// A DEM: everything that GDAL opens. Reads it once, for the elevations.
-Report describe_dem(const InfoOptions& options, const CommonOptions& common);
+FileReport describe_dem(const InfoOptions& options, const CommonOptions& common);
+
+/// A dictionary of atoms (.atoms). Draws them where the options say.
+FileReport describe_dictionary(const InfoOptions& options, const CommonOptions& common);
 
 }  // namespace arete::tools

@@ -145,7 +145,7 @@ std::string to_text(const json& data) {
 
 }  // namespace
 
-Report describe_dem(const InfoOptions& options, const CommonOptions& common) {
+FileReport describe_dem(const InfoOptions& options, const CommonOptions& common) {
   const DemReader dem(options.file, options.dem);
   const auto progress = make_progress(common);
   const ElevationStatistics elevations = elevation_statistics(dem, *progress);

@@ -1,7 +1,5 @@
 #include "core/sparse/dictionary_file.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
@@ -9,8 +7,9 @@
 #include <filesystem>
 #include <fstream>
 #include <limits>
-#include <regex>
 #include <sstream>
+
+#include <gtest/gtest.h>
 
 #include "core/support/checksum.h"
 #include "core/support/error.h"
@@ -447,13 +446,11 @@ TEST(DictionaryFile, TheDocumentsExampleIsWhatIsWritten) {
   std::ifstream document(ARETE_SOURCE_DIR "/core/sparse/dictionary-format.md");
   ASSERT_TRUE(document) << "the document is missing";
   Bytes expected;
-  // Lines of the example: eight digits of an offset, a colon, up to 16 bytes.
-  const std::regex line_pattern("^    ([0-9a-f]{8}): ((?:[0-9a-f]{2} )*[0-9a-f]{2})(?:  .*)?$");
+  // Lines of the example: four spaces, eight digits of an offset, a colon, up to 16 bytes, two spaces before a remark.
   for (std::string line; std::getline(document, line);) {
-    std::smatch match;
-    if (!std::regex_match(line, match, line_pattern)) continue;
-    ASSERT_EQ(std::stoul(match[1], nullptr, 16), expected.size());
-    std::istringstream bytes(match[2]);
+    if (line.size() < 16 || line.compare(0, 4, "    ") != 0 || line.find(':') != 12) continue;
+    ASSERT_EQ(std::stoul(line.substr(4, 8), nullptr, 16), expected.size());
+    std::istringstream bytes(line.substr(13, line.find("  ", 13) - 13));
     for (std::string byte; bytes >> byte;) expected.push_back(static_cast<std::byte>(std::stoul(byte, nullptr, 16)));
   }
   const Bytes file = encode_dictionary(d);
