@@ -37,7 +37,7 @@ Dictionary sample_dictionary(int patch_cells, int atoms, bool detail) {
   dictionary.patch_cells = patch_cells;
   dictionary.factor = 4;
   const Raster<float> coarse = area_average(exemplar().view(), 4);
-  const Patches patches = extract_patches(coarse.view(), make_patch_grid(patch_cells, 1), {PatchEdges::inside, false, true, 0});
+  const Patches patches = extract_patches(coarse.view(), make_patch_grid(patch_cells, 1), {PatchEdges::inside, atoms > 50'000, true, 0});
   std::vector<Eigen::Index> drawn;
   for (Eigen::Index i = 0; i < patches.count(); ++i)
     if (uniform_at(1, static_cast<std::uint64_t>(i)) * static_cast<double>(patches.count()) < atoms) drawn.push_back(i);
@@ -47,7 +47,7 @@ Dictionary sample_dictionary(int patch_cells, int atoms, bool detail) {
   for (std::size_t j = 0; j < drawn.size(); ++j) {
     const PatchOrigin& o = patches.origins[static_cast<std::size_t>(drawn[j])];
     auto atom = dictionary.high.col(static_cast<Eigen::Index>(j));
-    cut_cells(exemplar().view(), o.x * 4, o.y * 4, side, 0, atom.data());
+    cut_cells(exemplar().view(), o.x * 4, o.y * 4, side, o.symmetry, atom.data());
     atom.array() -= static_cast<float>(patches.means[static_cast<std::size_t>(drawn[j])]);
     atom /= patches.values.col(drawn[j]).norm();
     dictionary.sources.push_back({0, o.x, o.y, 0});
@@ -66,6 +66,7 @@ void amplify_stages(benchmark::State& state, AmplifyMethod method, int side, int
     AmplifyOptions options;
     options.method = method;
     options.factor = factor;
+    options.memory_bytes = std::int64_t{4} << 30;
     amplify(ViewSource(input.view()), dictionary, options, sink, silent);
   }
   state.counters["cells/s"] = benchmark::Counter(static_cast<double>(sink.cells()), benchmark::Counter::kIsRate);
@@ -84,6 +85,8 @@ void copy_memory(benchmark::State& state) {
 
 BENCHMARK(copy_memory)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(amplify_stages, paper_four_stages_of_4_from_32, AmplifyMethod::paper, 32, 256, 256)->UseRealTime()->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(amplify_stages, paper_four_stages_of_4_from_32_complete_dictionary_of_120000, AmplifyMethod::paper, 32, 256, 120'000)
+    ->UseRealTime()->Unit(benchmark::kMillisecond)->Iterations(1);
 BENCHMARK_CAPTURE(amplify_stages, consistent_four_stages_of_4_from_32, AmplifyMethod::consistent, 32, 256, 256)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(amplify_stages, paper_one_stage_of_4_from_1024, AmplifyMethod::paper, 1024, 4, 256)->UseRealTime()->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(amplify_stages, consistent_one_stage_of_4_from_1024, AmplifyMethod::consistent, 1024, 4, 256)->UseRealTime()->Unit(benchmark::kMillisecond);
