@@ -14,6 +14,7 @@ void add_amplify(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_compare(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_demo(CLI::App& app, std::shared_ptr<CommonOptions> common);
+void add_bench(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_info(CLI::App& app, std::shared_ptr<CommonOptions> common);
 
 }  // namespace arete::tools

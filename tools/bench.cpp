@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/support/parallel.h"
+#include "gis/dem_file.h"
+#include "gis/peer_codecs.h"
+#include "tools/bench_data.h"
+#include "tools/command.h"
+#include "tools/dem_options.h"
+#include "tools/output_folder.h"
+#include "tools/verbs.h"
+
+namespace arete::tools {
+namespace {
+
+struct BenchOptions {
+  std::string kind;
+  std::vector<std::string> paths;  // DEM... OUT
+  std::vector<std::string> peers;
+  std::vector<double> rates, bounds;
+  bool lossless = false;
+  int repeats = 3;
+  DemReadOptions reading;
+};
+
+// The terrain and its filled copy, codes, what a library copies of them, and the decoded terrain.
+constexpr std::int64_t bytes_per_cell = 48;
+
+const std::vector<double> default_rates = {0.02, 0.05, 0.1, 0.2, 0.5, 1, 2};
+
+using Codecs = std::vector<std::unique_ptr<CodecUnderTest>>;
+
+Codecs choose_codecs(const std::vector<std::string>& names) {
+  Codecs codecs = peer_codecs();
+  if (!names.empty())
+    std::erase_if(codecs, [&](const auto& codec) { return std::find(names.begin(), names.end(), codec->name()) == names.end(); });
+  return codecs;
+}
+
+std::vector<std::string> codec_names() {
+  std::vector<std::string> names;
+  for (const auto& codec : peer_codecs()) names.push_back(codec->name());
+  return names;
+}
+
+/// The DEM whole: a codec is judged on one file.
+TestedTerrain read_terrain(const std::string& path, const DemReadOptions& reading, const CommonOptions& common) {
+  const DemReader reader(path, reading);
+  const Size size = reader.size();
+  if (size.cells() > common.memory_bytes / bytes_per_cell)
+    throw Error(ErrorKind::memory, path + ": to compress " + std::to_string(size.width) + " x " + std::to_string(size.height) + " cells whole takes about " +
+                                       readable_bytes(size.cells() * bytes_per_cell) + ", --memory is " + readable_bytes(common.memory_bytes) +
+                                       "; give more, or a part of the DEM (gdal_translate -srcwin)");
+  return examine_terrain(path, read_all(reader), reader.georeference().metres_per_unit);
+}
+
+/// What the options ask for; where they name no part, all of them.
+TrialPlan make_plan(const BenchOptions& options, const TestedTerrain& terrain, const CommonOptions& common) {
+  const bool all = options.rates.empty() && options.bounds.empty() && !options.lossless;
+  TrialPlan plan;
+  plan.rates = all ? default_rates : options.rates;
+  plan.bounds_m = options.bounds;
+  if (all) {
+    plan.bounds_m = default_bounds(terrain);
+    // Data in centimetres are lossless within 0 m for codecs of whole numbers, while their floats are what GeoTIFF stores losslessly.
+    if (terrain.quantum > 0 && terrain.quantum < 1) plan.bounds_m.insert(plan.bounds_m.begin(), 0);
+  }
+  plan.lossless = all || options.lossless;
+  plan.repeats = options.repeats;
+  plan.threads = resolve_threads(common.threads);
+  return plan;
+}
+
+/// Names that files can have, no two equal.
+std::vector<std::string> make_labels(const std::vector<std::string>& paths) {
+  std::set<std::string> used;
+  std::vector<std::string> labels;
+  for (const std::string& path : paths) {
+    const std::string stem = std::filesystem::path(path).stem().string();
+    std::string label = stem;
+    for (int count = 2; !used.insert(label).second; ++count) label = stem + "-" + std::to_string(count);
+    labels.push_back(label);
+  }
+  return labels;
+}
+
+BenchedDem bench_dem(const std::string& path, const std::string& label, const Codecs& codecs, const BenchOptions& options, const CommonOptions& common,
+                     Progress& progress) {
+  const TestedTerrain terrain = read_terrain(path, options.reading, common);
+  BenchedDem dem{path, label, terrain.cells.size(), terrain.valid, terrain.low, terrain.high, terrain.quantum, make_plan(options, terrain, common), {}};
+  progress.begin(label, trial_steps(dem.plan) * static_cast<std::int64_t>(codecs.size()));
+  for (const auto& codec : codecs) dem.trials.push_back(try_codec(*codec, terrain, dem.plan, progress));
+  progress.end();
+  return dem;
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw Error(ErrorKind::disk, path + ": cannot write; is the disk full?");
+}
+
+void run_bench(const BenchOptions& options, const CommonOptions& common) {
+  const std::vector<std::string> inputs(options.paths.begin(), options.paths.end() - 1);
+  OutputFolder folder(options.paths.back(), common.overwrite);
+  const auto progress = make_progress(common);
+  const Codecs codecs = choose_codecs(options.peers);
+  const std::vector<std::string> labels = make_labels(inputs);
+
+  // A DEM that cannot be read is found now, not after an hour.
+  for (const std::string& path : inputs) DemReader(path, options.reading);
+  std::vector<BenchedDem> dems;
+  for (std::size_t i = 0; i < inputs.size(); ++i) dems.push_back(bench_dem(inputs[i], labels[i], codecs, options, common, *progress));
+
+  nlohmann::json data = bench_json(dems);
+  data["command"] = common.command_line;
+  data["version"] = ARETE_VERSION;
+  write_text(folder.file("results.csv"), bench_csv(dems));
+  write_text(folder.file("results.json"), data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+  folder.publish();
+  print_result(common, bench_text(dems), data);
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, std::shared_ptr<CommonOptions> common) {
+  const auto options = std::make_shared<BenchOptions>();
+  CLI::App* verb = add_verb(app, "bench", "Compress DEMs with several codecs and compare size, error and time",
+                            "arete bench compression dem.tif report\narete bench compression *.tif report --peers openjpeg,jpegxl --rates 0.1,0.5,1\n"
+                            "arete bench compression dem.tif report --bounds 0.5,1,5 --lossless",
+                            common, [options, common] { run_bench(*options, *common); });
+  verb->add_option("KIND", options->kind, "What to measure: compression")->required()->check(CLI::IsMember({"compression"}));
+  verb->add_option("DEM... OUT", options->paths, "DEMs, and the folder to make for the results")->required()->expected(2, 1000000)->type_name("");
+  add_dem_options(verb, options->reading);
+  verb->add_option("--peers", options->peers, "Only these codecs, with commas between; default: all")
+      ->delimiter(',')->check(CLI::IsMember(codec_names()));
+  verb->add_option("--rates", options->rates, "Measure error at these bits per sample; default: 0.02,0.05,0.1,0.2,0.5,1,2")
+      ->delimiter(',')->check(CLI::Range(1e-4, 64.0))->type_name("LIST");
+  verb->add_option("--bounds", options->bounds, "Measure size at these strict errors in metres; default: five that suit the relief")
+      ->delimiter(',')->check(CLI::NonNegativeNumber)->type_name("LIST");
+  verb->add_flag("--lossless", options->lossless, "Measure lossless size. Where --rates, --bounds or --lossless is given, only those parts are run");
+  verb->add_option("--repeats", options->repeats, "Runs that times are the median of; default: 3")->check(CLI::Range(1, 99))->type_name("N");
+}
+
+}  // namespace arete::tools
