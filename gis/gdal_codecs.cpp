@@ -249,14 +249,17 @@ class PredictorCodec final : public CodecUnderTest {
   }
 
  private:
-  CPLStringList options(int predictor) const {
+  /// A raster smaller than a tile is one tile of a multiple of 16 cells, as TIFF wants it.
+  static int tile_side(std::int64_t cells) { return static_cast<int>(std::min<std::int64_t>(512, (cells + 15) / 16 * 16)); }
+
+  CPLStringList options(int predictor, Size size) const {
     CPLStringList options;
     options.SetNameValue("COMPRESS", compressor_.c_str());
     options.SetNameValue(level_.first.c_str(), level_.second.c_str());
     options.SetNameValue("PREDICTOR", predictor == 2 ? "2" : "3");
     options.SetNameValue("TILED", "YES");
-    options.SetNameValue("BLOCKXSIZE", "512");
-    options.SetNameValue("BLOCKYSIZE", "512");
+    options.SetNameValue("BLOCKXSIZE", CPLSPrintf("%d", tile_side(size.width)));
+    options.SetNameValue("BLOCKYSIZE", CPLSPrintf("%d", tile_side(size.height)));
     return options;
   }
 
@@ -264,12 +267,12 @@ class PredictorCodec final : public CodecUnderTest {
     constexpr std::int16_t nodata = std::numeric_limits<std::int16_t>::min();
     if (terrain.quantum != 1 || terrain.low <= nodata || terrain.high > std::numeric_limits<std::int16_t>::max()) {
       Raster<float> cells = terrain.cells.clone();
-      return encode_with("GTiff", ".tif", {cells.data(), GDT_Float32, cells.size(), void_if_any(terrain, void_value)}, options(3), threads);
+      return encode_with("GTiff", ".tif", {cells.data(), GDT_Float32, cells.size(), void_if_any(terrain, void_value)}, options(3, cells.size()), threads);
     }
     Raster<std::int16_t> cells(terrain.cells.width(), terrain.cells.height());
     std::transform(terrain.cells.data(), terrain.cells.data() + cells.size().cells(), cells.data(),
                    [](float z) { return is_void(z) ? nodata : static_cast<std::int16_t>(z); });
-    return encode_with("GTiff", ".tif", {cells.data(), GDT_Int16, cells.size(), void_if_any(terrain, nodata)}, options(2), threads);
+    return encode_with("GTiff", ".tif", {cells.data(), GDT_Int16, cells.size(), void_if_any(terrain, nodata)}, options(2, cells.size()), threads);
   }
 
   std::vector<std::byte> encode_codes(const TestedTerrain& terrain, const CodedTerrain& coded, int threads) const {
@@ -279,10 +282,10 @@ class PredictorCodec final : public CodecUnderTest {
     for (std::int64_t i = 0; i < wide.size().cells(); ++i)
       if (is_void(terrain.cells.data()[i])) wide.data()[i] = static_cast<std::int32_t>(nodata);
     const std::optional<double> tag = void_if_any(terrain, static_cast<double>(nodata));
-    if (nodata > highest_16_bits) return encode_with("GTiff", ".tif", {wide.data(), GDT_Int32, wide.size(), tag}, options(2), threads);
+    if (nodata > highest_16_bits) return encode_with("GTiff", ".tif", {wide.data(), GDT_Int32, wide.size(), tag}, options(2, wide.size()), threads);
     Raster<std::uint16_t> narrow(wide.width(), wide.height());
     std::transform(wide.data(), wide.data() + wide.size().cells(), narrow.data(), [](std::int32_t code) { return static_cast<std::uint16_t>(code); });
-    return encode_with("GTiff", ".tif", {narrow.data(), GDT_UInt16, narrow.size(), tag}, options(2), threads);
+    return encode_with("GTiff", ".tif", {narrow.data(), GDT_UInt16, narrow.size(), tag}, options(2, wide.size()), threads);
   }
 
   static std::optional<double> void_if_any(const TestedTerrain& terrain, double nodata) {

@@ -33,6 +33,9 @@ Raster<std::int32_t> code_cells(const Raster<float>& filled, std::int32_t highes
   return codes;
 }
 
+/// Whether floats hold multiples of the quantum as they are.
+bool exact_in_floats(double quantum) { return std::floor(quantum) == quantum; }
+
 /// How far apart floats are where the terrain is farthest from 0.
 double rounding_of_floats(const TestedTerrain& terrain) {
   const float farthest = std::max(std::abs(terrain.low), std::abs(terrain.high));
@@ -43,7 +46,7 @@ std::optional<UniformSteps> steps_of_quanta(const TestedTerrain& terrain, double
   const double quantum = terrain.quantum;
   const std::int64_t lowest = std::llround(static_cast<double>(terrain.low) / quantum);
   const std::int64_t highest = std::llround(static_cast<double>(terrain.high) / quantum);
-  const double slack = std::floor(quantum) == quantum ? 0 : rounding_of_floats(terrain);
+  const double slack = exact_in_floats(quantum) ? 0 : rounding_of_floats(terrain);
   const auto within = static_cast<std::int64_t>(std::clamp(std::floor((bound_m - slack) / quantum), 0.0, most_codes / 4));
   const std::int64_t stride = 2 * within + 1, last = (highest - lowest + within) / stride;
   if (last >= static_cast<std::int64_t>(most_codes)) return std::nullopt;
@@ -116,6 +119,7 @@ std::optional<UniformSteps> steps_within(const TestedTerrain& terrain, double bo
   const std::optional<UniformSteps> metres = steps_of_metres(terrain, bound_m);
   if (terrain.quantum == 0) return metres;
   const std::optional<UniformSteps> quanta = steps_of_quanta(terrain, bound_m);
+  if (quanta && exact_in_floats(terrain.quantum)) return quanta;
   return quanta && (!metres || quanta->map.stride * quanta->map.unit >= metres->map.stride) ? quanta : metres;
 }
 

@@ -42,10 +42,10 @@ struct CodedTerrain {
 /// The filled terrain mapped linearly to 0..65535: low to 0, high to 65535 (to float rounding). The map's base and stride are floats.
 CodedTerrain scale_to_16_bits(const TestedTerrain& terrain);
 
-/// Uniform steps so wide that every valid cell, a float, is within bound_m of the float that the map gives back: the wider of 2 n + 1
-/// quanta, for a bound of n quanta, and twice the bound; each less the rounding of floats. (Quanta of 1 cm are not exact in floats: two
-/// that are 5 cm apart may differ by a little more than 0.05.) Nullopt where floats are too coarse for the bound, or the codes
-/// need more than 31 bits.
+/// Uniform steps so wide that every valid cell, a float, is within bound_m of the float that the map gives back: 2 n + 1 quanta for a bound
+/// of n quanta that floats hold exactly, so that whole metres stay whole; twice the bound, less the rounding of floats, where there is
+/// no quantum; the wider of both where floats round the quanta. (Two floats that stand for elevations 5 cm apart may differ by a little
+/// more than 0.05.) Nullopt where floats are too coarse for the bound, or the codes need more than 31 bits.
 struct UniformSteps {
   LinearMap map;
   std::int32_t highest = 0;  ///< code

@@ -78,6 +78,7 @@ TEST(StepsWithin, AreWholeQuantaWherePossible) {
   EXPECT_EQ(steps_within(metres, 0)->map.stride, 1);
   EXPECT_EQ(steps_within(metres, 0.5)->map.stride, 1);
   EXPECT_EQ(steps_within(metres, 2)->map.stride, 5);
+  EXPECT_EQ(steps_within(metres, 2.9)->map.stride, 5);
   EXPECT_EQ(worst_error(metres, quantise(metres, *steps_within(metres, 0))), 0);
   const TestedTerrain floats = examine_terrain("floats", mountains(0));
   EXPECT_FALSE(steps_within(floats, 0));
