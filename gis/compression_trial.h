@@ -12,7 +12,7 @@ namespace arete {
 
 /// One encoding, decoded again and compared with the original over its valid cells.
 struct Measurement {
-  CodingTarget target;
+  CodingTarget target = {};
   std::int64_t bytes = 0;       ///< all that the decoder needs
   double bits = 0;              ///< per sample: 8 x bytes / cells of the raster, voids included
   double rmse_m = 0;
@@ -33,12 +33,12 @@ struct RateReading {
 
 /// What a codec did to a terrain.
 struct CodecTrial {
-  std::string name, title, description;
+  std::string name = {}, title = {}, description = {};
   bool keeps_voids = false;
-  std::vector<Measurement> curve;                  ///< of rate against distortion, rates rising
-  std::vector<std::optional<RateReading>> rates;   ///< one per rate of the plan; none: the codec did not reach that rate, or came back exact
-  std::vector<std::optional<Measurement>> bounds;  ///< one per bound of the plan; none: it has no such mode
-  std::optional<Measurement> lossless;
+  std::vector<Measurement> curve = {};             ///< of rate against distortion, rates rising
+  std::vector<std::optional<RateReading>> rates = {};   ///< one per rate of the plan; none: the codec did not reach that rate, or came back exact
+  std::vector<std::optional<Measurement>> bounds = {};  ///< one per bound of the plan; none: it has no such mode
+  std::optional<Measurement> lossless = {};
   std::vector<RatePoint> points() const;  ///< of the curve, for Bjontegaard's differences; exact ones left out
 };
 

@@ -10,6 +10,7 @@
 #include "gis/dem_file.h"
 #include "gis/peer_codecs.h"
 #include "tools/bench_data.h"
+#include "tools/bench_page.h"
 #include "tools/command.h"
 #include "tools/dem_options.h"
 #include "tools/output_folder.h"
@@ -106,9 +107,20 @@ void write_text(const std::string& path, const std::string& text) {
   if (!file) throw Error(ErrorKind::disk, path + ": cannot write; is the disk full?");
 }
 
+void write_plot(const OutputFolder& folder, const std::string& name, const LinePlot& plot) {
+  write_text(folder.file(name + ".svg"), line_plot_svg(plot));
+  write_picture(folder.file(name + ".png"), draw_line_plot(plot, 2));
+}
+
+void write_plots(const OutputFolder& folder, const BenchedDem& dem) {
+  if (!dem.plan.rates.empty()) write_plot(folder, dem.label + "-psnr", psnr_plot(dem));
+  if (!dem.plan.rates.empty() || !dem.plan.bounds_m.empty()) write_plot(folder, dem.label + "-max-error", max_error_plot(dem));
+}
+
 void run_bench(const BenchOptions& options, const CommonOptions& common) {
   const std::vector<std::string> inputs(options.paths.begin(), options.paths.end() - 1);
   OutputFolder folder(options.paths.back(), common.overwrite);
+  if (find_font().empty()) warn(common, "no font found, the PNG plots have no words: install fonts-dejavu-core or set ARETE_FONT");
   const auto progress = make_progress(common);
   const Codecs codecs = choose_codecs(options.peers);
   const std::vector<std::string> labels = make_labels(inputs);
@@ -122,9 +134,13 @@ void run_bench(const BenchOptions& options, const CommonOptions& common) {
   data["command"] = common.command_line;
   data["version"] = ARETE_VERSION;
   write_text(folder.file("results.csv"), bench_csv(dems));
+  for (const BenchedDem& dem : dems) write_plots(folder, dem);
+  write_text(folder.file("report.html"), write_html(bench_page(dems, common.command_line)));
   write_text(folder.file("results.json"), data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
   folder.publish();
-  print_result(common, bench_text(dems), data);
+  const std::string page = (std::filesystem::path(options.paths.back()) / "report.html").lexically_normal().string();
+  data["report"] = page;
+  print_result(common, bench_text(dems) + "report: " + page + "\n", data);
 }
 
 }  // namespace

@@ -11,13 +11,13 @@ namespace arete::tools {
 
 /// What the codecs did to one DEM.
 struct BenchedDem {
-  std::string path;   ///< as the user named it
-  std::string label;  ///< unique among the DEMs of a run; names its plots
-  Size size;
+  std::string path = {};   ///< as the user named it
+  std::string label = {};  ///< unique among the DEMs of a run; names its plots
+  Size size = {};
   std::int64_t valid = 0;
   double low_m = 0, high_m = 0, quantum_m = 0;
-  TrialPlan plan;
-  std::vector<CodecTrial> trials;
+  TrialPlan plan = {};
+  std::vector<CodecTrial> trials = {};
 };
 
 /// The codec that the others are held against, or nullptr where it did not take part.

@@ -15,7 +15,8 @@ constexpr const char* style = R"(
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 1200px; margin: 2rem auto; padding: 0 1rem; }
 h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2rem; }
 p { max-width: 46rem; }
-figure { margin: 1.5rem 0; } img { max-width: 100%; height: auto; display: block; }
+h3 { font-size: 1rem; margin-top: 1.5rem; }
+figure { margin: 1.5rem 0; } img, svg { max-width: 100%; height: auto; display: block; }
 figcaption { max-width: 46rem; margin-top: .4rem; opacity: .8; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .8rem; text-align: right; border-bottom: 1px solid var(--line); }
@@ -44,6 +45,25 @@ std::string read_bytes(const std::string& path) {
   return bytes;
 }
 
+void write_table(std::ostream& out, const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows) {
+  out << "<div class=\"wide\"><table>\n<tr>";
+  for (const std::string& column : columns) out << "<th>" << escape(column) << "</th>";
+  out << "</tr>\n";
+  for (const auto& row : rows) {
+    out << "<tr>";
+    for (const std::string& cell : row) out << "<td>" << escape(cell) << "</td>";
+    out << "</tr>\n";
+  }
+  out << "</table></div>\n";
+}
+
+void write_section(std::ostream& out, const Report::Section& section) {
+  out << "<h" << section.level << '>' << escape(section.heading) << "</h" << section.level << ">\n";
+  for (const std::string& paragraph : section.paragraphs) out << "<p>" << escape(paragraph) << "</p>\n";
+  if (!section.svg.empty()) out << "<figure>" << section.svg << "</figure>\n";
+  if (!section.columns.empty()) write_table(out, section.columns, section.rows);
+}
+
 }  // namespace
 
 std::string base64(const std::string& bytes) {
@@ -66,21 +86,22 @@ std::string write_html(const Report& report) {
       << escape(report.title) << "</title>\n<style>" << style << "</style>\n</head>\n<body>\n<h1>" << escape(report.title) << "</h1>\n";
   for (const std::string& paragraph : report.introduction) out << "<p>" << escape(paragraph) << "</p>\n";
 
-  out << "<h2>Figures</h2>\n<div class=\"wide\"><table>\n<tr>";
-  for (const std::string& column : report.columns) out << "<th>" << escape(column) << "</th>";
-  out << "</tr>\n";
-  for (const auto& row : report.rows) {
-    out << "<tr>";
-    for (const std::string& cell : row) out << "<td>" << escape(cell) << "</td>";
-    out << "</tr>\n";
+  for (const Report::Section& section : report.sections) write_section(out, section);
+  if (!report.columns.empty()) {
+    out << "<h2>Figures</h2>\n";
+    write_table(out, report.columns, report.rows);
+    out << "<p>" << escape(report.table_note) << "</p>\n";
   }
-  out << "</table></div>\n<p>" << escape(report.table_note) << "</p>\n<h2>Pictures</h2>\n";
+  if (!report.pictures.empty()) out << "<h2>Pictures</h2>\n";
   for (const Report::Picture& picture : report.pictures)
     out << "<figure><img alt=\"" << escape(picture.caption) << "\" src=\"data:image/png;base64," << base64(read_bytes(picture.png))
         << "\"><figcaption>" << escape(picture.caption) << "</figcaption></figure>\n";
-  out << "<h2>The same again, step by step</h2>\n<pre>";
-  for (const std::string& command : report.commands) out << escape(command) << '\n';
-  out << "</pre>\n<footer>" << escape(report.footer) << "</footer>\n</body>\n</html>\n";
+  if (!report.commands.empty()) {
+    out << "<h2>The same again, step by step</h2>\n<pre>";
+    for (const std::string& command : report.commands) out << escape(command) << '\n';
+    out << "</pre>\n";
+  }
+  out << "<footer>" << escape(report.footer) << "</footer>\n</body>\n</html>\n";
   return out.str();
 }
 

@@ -11,8 +11,17 @@ struct Report {
     std::string caption;
     std::string png;  ///< path of the file, which is copied into the page
   };
+  struct Section {
+    std::string heading;
+    int level = 2;                                   ///< of the heading; 3 is below 2
+    std::vector<std::string> paragraphs = {};
+    std::vector<std::string> columns = {};           ///< of a table; empty: none
+    std::vector<std::vector<std::string>> rows = {};
+    std::string svg = {};                            ///< a drawing, put into the page as it is; empty: none
+  };
   std::string title;
   std::vector<std::string> introduction = {};        ///< paragraphs, plain text
+  std::vector<Section> sections = {};
   std::vector<std::string> columns = {};             ///< of the table; the first names the row
   std::vector<std::vector<std::string>> rows = {};   ///< cells
   std::string table_note = {};

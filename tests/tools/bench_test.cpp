@@ -12,7 +12,9 @@ TEST_F(BenchVerb, MeasuresEveryCodecOnADem) {
   const Outcome outcome = run("bench compression " + dem + " " + path("out") + " --repeats 1 --threads 2 --json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto data = nlohmann::json::parse(outcome.out);
-  EXPECT_EQ(data, nlohmann::json::parse(read(path("out/results.json"))));
+  auto written = nlohmann::json::parse(read(path("out/results.json")));
+  written["report"] = path("out/report.html");
+  EXPECT_EQ(data, written);
   const auto& result = data.at("dems").at(0);
   EXPECT_EQ(result.at("width"), 96);
   EXPECT_EQ(result.at("valid_cells"), 96 * 72 - 1);
@@ -31,6 +33,12 @@ TEST_F(BenchVerb, MeasuresEveryCodecOnADem) {
   EXPECT_EQ(csv.rfind("dem,codec,result,", 0), 0u);
   EXPECT_NE(csv.find("dem,jpegxl,point,setting,"), std::string::npos);
   EXPECT_NE(csv.find("dem,zstd,lossless,lossless,"), std::string::npos);
+  const std::string page = read(path("out/report.html"));
+  for (const std::string& part : {std::string("JPEG XL"), std::string("BD-PSNR"), std::string("<svg "), std::string("filled by interpolation")})
+    EXPECT_NE(page.find(part), std::string::npos) << part;
+  EXPECT_EQ(page.find("src=\"http"), std::string::npos);
+  for (const char* plot : {"dem-psnr", "dem-max-error"})
+    for (const char* extension : {".svg", ".png"}) EXPECT_GT(std::filesystem::file_size(path(std::string("out/") + plot + extension)), 5000u);
 }
 
 TEST_F(BenchVerb, RunsOnlyThePartsAsked) {

@@ -1,0 +1,44 @@
+#include "tools/bench_page.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/tools/bench_sample.h"
+
+namespace arete::tools {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+TEST(BenchPage, SaysWhatWasMeasuredAndWhatWasBroken) {
+  const std::string html = write_html(bench_page({sample_bench("one"), sample_bench("two")}, "arete bench compression <x>"));
+  for (const char* part : {"<h2>one</h2>", "<h2>two</h2>", "+2.00 dB", "-20.6 %", "Broken promise: one: Other &lt;new&gt; was asked for 1 m and erred by 1.5 m",
+                           "3.000 (broken)", "10 cells are void", "medians of 3 runs with 2 threads", "compression &lt;x&gt;", "one, two"})
+    EXPECT_THAT(html, HasSubstr(part));
+  EXPECT_THAT(html, Not(HasSubstr("nan")));
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+}
+
+TEST(PsnrPlot, BeginsBelowTheAnchorAndLeavesOutExactPoints) {
+  const LinePlot plot = psnr_plot(sample_bench());
+  ASSERT_EQ(plot.series.size(), 2u);
+  EXPECT_EQ(plot.series[0].points.size(), 3u);
+  EXPECT_EQ(plot.series[1].points.size(), 2u);
+  EXPECT_LT(plot.y_low, plot.series[0].points.front().second);
+  EXPECT_GT(plot.y_high, 60);
+  EXPECT_NE(plot.series[0].colour, plot.series[1].colour);
+}
+
+TEST(MaxErrorPlot, DashesWhatWasAskedForAnError) {
+  const LinePlot plot = max_error_plot(sample_bench());
+  ASSERT_EQ(plot.series.size(), 4u);
+  EXPECT_FALSE(plot.series[0].dashed);
+  EXPECT_TRUE(plot.series[1].dashed);
+  EXPECT_EQ(plot.series[1].name, "");
+  EXPECT_EQ(plot.series[1].points, (std::vector<std::pair<double, double>>{{3, 1}}));
+  EXPECT_TRUE(plot.log_y);
+}
+
+}  // namespace
+}  // namespace arete::tools
