@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "core/codec/node_grid.h"
+#include "core/codec/subband_coder.h"
+#include "core/terrain/raster.h"
+
+namespace arete {
+
+// A raster as a tree of wavelet coefficients: the lossy coder of .sct for a wanted PSNR, error or size.
+
+/// What a decoder must know beside the streams.
+struct WaveletParameters {
+  NodeGrid grid;
+  float step = 1;  ///< of the trellis quantiser, in metres of a detail of norm 1; finite, > 0
+  /// How far magnitudes of 1, 2, and 3 or more lie towards zero of their lattice points, in 1/256 of a step.
+  std::array<std::uint8_t, 3> shrink{};
+};
+
+/// The bands of a whole raster, level by level.
+struct WaveletPyramid {
+  NodeGrid grid;
+  std::vector<std::array<Raster<float>, band_count>> bands;  ///< [level - 1]
+  Raster<float> root;                                        ///< low-pass of the coarsest level
+};
+
+/// Cells must not be void. Memory: about 8 bytes a cell.
+WaveletPyramid analyse_raster(RasterView<const float> cells, const NodeGrid& grid, int threads);
+
+struct WaveletStreams {
+  WaveletParameters parameters;
+  std::vector<std::byte> root;
+  std::vector<std::vector<std::byte>> nodes;  ///< by NodeGrid::index; empty where all coefficients are zero
+  double squared_error = 0;                   ///< estimated from the bands, m^2 summed over the cells
+  std::int64_t bytes() const;
+};
+
+/// Quantises and codes. `lambda`: bits against distortion in steps squared, 0.2 to be near the best; `passes`: see quantise_node.
+WaveletStreams encode_wavelet(const WaveletPyramid& pyramid, float step, float lambda, int passes, int threads);
+
+/// The coefficients of a node, all zero, with the sizes that the node has.
+NodeCoefficients blank_coefficients(const NodeGrid& grid, const NodeAddress& node);
+/// Where a node's contexts find its parent.
+ParentView view_parent(const NodeGrid& grid, const NodeAddress& node, const NodeCoefficients* parent);
+
+/// The stream of a node by index.
+using StreamReader = std::function<std::span<const std::byte>(std::int64_t index)>;
+
+/// A window of a level, 0 to grid.levels(); metres. Touches only the nodes that the window depends on. The same values for
+/// any window and any number of threads. Safe for untrusted streams; values may then be anything, infinite and NaN included.
+Raster<float> decode_wavelet(const WaveletParameters& parameters, std::span<const std::byte> root, const StreamReader& streams, int level,
+                             const Window& window, int threads);
+
+}  // namespace arete
