@@ -98,8 +98,9 @@ class Curve {
     const double bytes = rate * static_cast<double>(terrain_.cells.size().cells()) / 8;
     if (!codec_.can(terrain_, {CodingTarget::Kind::bytes, bytes})) return;
     const double got = measure({CodingTarget::Kind::bytes, bytes});
-    // A second file where the first missed; a codec that has nothing more to say misses again.
-    if (std::abs(got / rate - 1) > near_enough / 4) measure({CodingTarget::Kind::bytes, bytes * std::clamp(rate / got, 0.5, 2.0)});
+    // A second file where the first missed a little; a codec that missed by far has nothing more to say.
+    const double miss = std::abs(std::log(got / rate));
+    if (miss > near_enough / 4 && miss < std::log(1.5)) measure({CodingTarget::Kind::bytes, bytes * rate / got});
   }
 
   void search_setting(double rate, CodecUnderTest::SettingsRange range) {

@@ -21,6 +21,11 @@ namespace {
 
 constexpr std::int32_t highest_16_bits = 65535;
 
+// Of the relief; finer ones give files of more than 8 bits per sample on any terrain.
+constexpr double finest_bound = 2e-5;
+
+double relief_of(const TestedTerrain& terrain) { return static_cast<double>(terrain.high) - static_cast<double>(terrain.low); }
+
 /// A file of GDAL's in memory, under a name of its own, gone with this.
 class MemoryName {
  public:
@@ -167,8 +172,7 @@ class LercCodec final : public CodecUnderTest {
     return target.kind != CodingTarget::Kind::bytes;
   }
   std::optional<SettingsRange> settings_range(const TestedTerrain& terrain) const override {
-    const double relief = static_cast<double>(terrain.high) - static_cast<double>(terrain.low);
-    return SettingsRange{relief / 2, relief * 1e-6};
+    return SettingsRange{relief_of(terrain) / 2, relief_of(terrain) * finest_bound};
   }
 
   std::vector<std::byte> encode(const TestedTerrain& terrain, CodingTarget target, int threads) const override {
@@ -224,8 +228,9 @@ class PredictorCodec final : public CodecUnderTest {
     return target.kind != CodingTarget::Kind::bytes && steps_within(terrain, target.value).has_value();
   }
   std::optional<SettingsRange> settings_range(const TestedTerrain& terrain) const override {
-    const double relief = static_cast<double>(terrain.high) - static_cast<double>(terrain.low);
-    return SettingsRange{relief / 4, terrain.quantum > 0 ? terrain.quantum / 4 : relief * 1e-6};
+    double fine = std::max(relief_of(terrain) * finest_bound, terrain.quantum / 4);
+    while (!steps_within(terrain, fine)) fine *= 2;
+    return SettingsRange{std::max(relief_of(terrain) / 4, 2 * fine), fine};
   }
 
   std::vector<std::byte> encode(const TestedTerrain& terrain, CodingTarget target, int threads) const override {

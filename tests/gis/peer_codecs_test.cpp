@@ -85,6 +85,19 @@ TEST_P(PeerCodec, ItsSettingGoesFromCoarseToFine) {
   }
 }
 
+// High above the sea floats are coarse: 1.2e-4 m at 1300 m.
+TEST_P(PeerCodec, CanUseAllItsSettingsHighAboveTheSea) {
+  Raster<float> cells(40, 30);
+  for (std::int64_t i = 0; i < cells.size().cells(); ++i) cells.data()[i] = 1300 + static_cast<float>(std::sin(static_cast<double>(i)));
+  const TestedTerrain terrain = examine_terrain("plateau", std::move(cells));
+  const auto range = codec_->settings_range(terrain);
+  if (!range) return;
+  for (const double setting : {range->coarse, range->fine}) {
+    EXPECT_TRUE(codec_->can(terrain, {Kind::setting, setting})) << codec_->name() << " " << setting;
+    EXPECT_LT(measure_codec(*codec_, terrain, {Kind::setting, setting}, 1, 1).max_error_m, 3) << codec_->name() << " " << setting;
+  }
+}
+
 TEST_P(PeerCodec, RefusesDamagedBytes) {
   const TestedTerrain terrain = mountains(Data::metres, false);
   const CodingTarget target = codec_->can(terrain, {Kind::lossless, 0}) ? CodingTarget{Kind::lossless, 0} : CodingTarget{Kind::bytes, 2000};
