@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -40,6 +41,9 @@ class CodecUnderTest {
   virtual std::string title() const = 0;        ///< for legends and tables
   virtual std::string description() const = 0;  ///< one sentence for people: which settings, what is not stored
   virtual bool keeps_voids() const = 0;         ///< false: it is given the terrain with its voids filled
+
+  /// Memory that it takes at most beside the terrain, per cell, as measured on a raster of 5 million cells.
+  virtual std::int64_t bytes_per_cell() const = 0;
 
   /// Whether it can try this target on this terrain.
   virtual bool can(const TestedTerrain& terrain, CodingTarget target) const = 0;

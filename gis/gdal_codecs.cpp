@@ -133,6 +133,7 @@ class GdalJpeg2000Codec final : public CodecUnderTest {
            "QUALITY set for the size. One thread decodes. It is not JPEG 2000's ability.";
   }
   bool keeps_voids() const override { return false; }
+  std::int64_t bytes_per_cell() const override { return 32; }
   bool can(const TestedTerrain& terrain, CodingTarget target) const override {
     return target.kind == CodingTarget::Kind::bytes && static_cast<double>(terrain.high) - static_cast<double>(terrain.low) < highest_16_bits - 1;
   }
@@ -167,6 +168,7 @@ class LercCodec final : public CodecUnderTest {
            "0.499 quanta (smaller than its integer types), and its decode is rounded.";
   }
   bool keeps_voids() const override { return true; }
+  std::int64_t bytes_per_cell() const override { return 56; }
   bool can(const TestedTerrain& terrain, CodingTarget target) const override {
     if (target.kind == CodingTarget::Kind::max_error) return steps_within(terrain, target.value).has_value();
     return target.kind != CodingTarget::Kind::bytes;
@@ -223,6 +225,7 @@ class PredictorCodec final : public CodecUnderTest {
            "predictor 3 on floats. Lossy: predictor 2 on uniform steps (whole quanta where the data have them).";
   }
   bool keeps_voids() const override { return true; }
+  std::int64_t bytes_per_cell() const override { return 72; }
   bool can(const TestedTerrain& terrain, CodingTarget target) const override {
     if (target.kind == CodingTarget::Kind::lossless) return true;
     return target.kind != CodingTarget::Kind::bytes && steps_within(terrain, target.value).has_value();

@@ -112,6 +112,7 @@ class JpegXlCodec final : public CodecUnderTest {
            "lossless: uniform steps (whole quanta where the data have them), lossless modular mode.";
   }
   bool keeps_voids() const override { return false; }
+  std::int64_t bytes_per_cell() const override { return 176; }
   bool can(const TestedTerrain& terrain, CodingTarget target) const override {
     if (target.kind == CodingTarget::Kind::setting) return true;
     if (target.kind == CodingTarget::Kind::bytes) return false;

@@ -152,6 +152,7 @@ class OpenJpegCodec final : public CodecUnderTest {
            "the size asked for in bytes. At a strict error and lossless: uniform steps (whole quanta where the data have them), reversible 5/3.";
   }
   bool keeps_voids() const override { return false; }
+  std::int64_t bytes_per_cell() const override { return 32; }
   bool can(const TestedTerrain& terrain, CodingTarget target) const override {
     if (target.kind == CodingTarget::Kind::bytes) return true;
     if (target.kind == CodingTarget::Kind::setting) return false;

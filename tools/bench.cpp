@@ -29,8 +29,8 @@ struct BenchOptions {
   DemReadOptions reading;
 };
 
-// The terrain and its filled copy, codes, what a library copies of them, and the decoded terrain.
-constexpr std::int64_t bytes_per_cell = 48;
+// The terrain, its filled copy, and the decoded terrain.
+constexpr std::int64_t terrain_bytes_per_cell = 12;
 
 const std::vector<double> default_rates = {0.02, 0.05, 0.1, 0.2, 0.5, 1, 2};
 
@@ -49,14 +49,19 @@ std::vector<std::string> codec_names() {
   return names;
 }
 
-/// The DEM whole: a codec is judged on one file.
-TestedTerrain read_terrain(const std::string& path, const DemReadOptions& reading, const CommonOptions& common) {
-  const DemReader reader(path, reading);
+/// A codec is judged on the whole DEM: throws where the hungriest of them has not the memory for it.
+void demand_memory(const DemReader& reader, const Codecs& codecs, const CommonOptions& common) {
+  std::int64_t bytes_per_cell = 0;
+  for (const auto& codec : codecs) bytes_per_cell = std::max(bytes_per_cell, terrain_bytes_per_cell + codec->bytes_per_cell());
   const Size size = reader.size();
   if (size.cells() > common.memory_bytes / bytes_per_cell)
-    throw Error(ErrorKind::memory, path + ": to compress " + std::to_string(size.width) + " x " + std::to_string(size.height) + " cells whole takes about " +
-                                       readable_bytes(size.cells() * bytes_per_cell) + ", --memory is " + readable_bytes(common.memory_bytes) +
-                                       "; give more, or a part of the DEM (gdal_translate -srcwin)");
+    throw Error(ErrorKind::memory, reader.path() + ": to compress " + std::to_string(size.width) + " x " + std::to_string(size.height) +
+                                       " cells whole takes up to " + readable_bytes(size.cells() * bytes_per_cell) + ", --memory is " +
+                                       readable_bytes(common.memory_bytes) + "; give more, fewer codecs (--peers), or a part of the DEM (gdal_translate -srcwin)");
+}
+
+TestedTerrain read_terrain(const std::string& path, const DemReadOptions& reading) {
+  const DemReader reader(path, reading);
   return examine_terrain(path, read_all(reader), reader.georeference().metres_per_unit);
 }
 
@@ -92,7 +97,7 @@ std::vector<std::string> make_labels(const std::vector<std::string>& paths) {
 
 BenchedDem bench_dem(const std::string& path, const std::string& label, const Codecs& codecs, const BenchOptions& options, const CommonOptions& common,
                      Progress& progress) {
-  const TestedTerrain terrain = read_terrain(path, options.reading, common);
+  const TestedTerrain terrain = read_terrain(path, options.reading);
   BenchedDem dem{path, label, terrain.cells.size(), terrain.valid, terrain.low, terrain.high, terrain.quantum, make_plan(options, terrain, common), {}};
   progress.begin(label, trial_steps(dem.plan) * static_cast<std::int64_t>(codecs.size()));
   for (const auto& codec : codecs) dem.trials.push_back(try_codec(*codec, terrain, dem.plan, progress));
@@ -125,8 +130,8 @@ void run_bench(const BenchOptions& options, const CommonOptions& common) {
   const Codecs codecs = choose_codecs(options.peers);
   const std::vector<std::string> labels = make_labels(inputs);
 
-  // A DEM that cannot be read is found now, not after an hour.
-  for (const std::string& path : inputs) DemReader(path, options.reading);
+  // A DEM that cannot be read, or is too large, is found now, not after an hour.
+  for (const std::string& path : inputs) demand_memory(DemReader(path, options.reading), codecs, common);
   std::vector<BenchedDem> dems;
   for (std::size_t i = 0; i < inputs.size(); ++i) dems.push_back(bench_dem(inputs[i], labels[i], codecs, options, common, *progress));
 

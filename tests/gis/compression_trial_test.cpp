@@ -33,6 +33,7 @@ class LawfulCodec final : public CodecUnderTest {
   std::string title() const override { return "Lawful"; }
   std::string description() const override { return "a law"; }
   bool keeps_voids() const override { return false; }
+  std::int64_t bytes_per_cell() const override { return 0; }
   bool can(const TestedTerrain&, CodingTarget target) const override { return target.kind == (sized_ ? Kind::bytes : Kind::setting); }
   std::optional<SettingsRange> settings_range(const TestedTerrain&) const override {
     return sized_ ? std::nullopt : std::optional(SettingsRange{10, 0.1});
@@ -103,6 +104,7 @@ class LossyCodec final : public CodecUnderTest {
   std::string title() const override { return "Lossy"; }
   std::string description() const override { return ""; }
   bool keeps_voids() const override { return true; }
+  std::int64_t bytes_per_cell() const override { return 0; }
   bool can(const TestedTerrain&, CodingTarget) const override { return true; }
   std::optional<SettingsRange> settings_range(const TestedTerrain&) const override { return std::nullopt; }
   std::vector<std::byte> encode(const TestedTerrain&, CodingTarget, int) const override { return std::vector<std::byte>(1); }
