@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "core/codec/byte_stream.h"
 #include "core/codec/quantise.h"
 #include "core/codec/subband_models.h"
 #include "core/codec/wavelet.h"
@@ -276,7 +277,7 @@ DecodedLevel decode_level(const WaveletParameters& parameters, const StreamReade
   parallel_for(static_cast<std::int64_t>(decoded.coefficients.size()), threads, [&](std::int64_t i) {
     const NodeAddress node{level, decoded.nodes.x + i % decoded.nodes.width, decoded.nodes.y + i / decoded.nodes.width};
     NodeCoefficients& coefficients = decoded.coefficients[static_cast<std::size_t>(i)] = blank_coefficients(grid, node);
-    const std::span<const std::byte> bytes = streams(grid.index(node));
+    const std::vector<std::byte> bytes = streams(grid.index(node));
     if (bytes.empty()) return;
     SubbandModels models = initial_subband_models();
     decode_subbands(bytes, view_parent(grid, node, parents ? parents->find(node.x / 2, node.y / 2) : nullptr), models, coefficients);
@@ -305,6 +306,22 @@ NodeCoefficients blank_coefficients(const NodeGrid& grid, const NodeAddress& nod
 ParentView view_parent(const NodeGrid& grid, const NodeAddress& node, const NodeCoefficients* parent) {
   const int half = grid.side() / 4;
   return {parent, static_cast<int>(node.x % 2) * half, static_cast<int>(node.y % 2) * half};
+}
+
+std::vector<std::byte> encode_wavelet_parameters(const WaveletParameters& parameters) {
+  ByteWriter out;
+  out.put(parameters.step);
+  for (std::uint8_t shrink : parameters.shrink) out.put_u8(shrink);
+  return out.take();
+}
+
+WaveletParameters decode_wavelet_parameters(std::span<const std::byte> bytes, const NodeGrid& grid, const std::string& name) {
+  ByteReader in(bytes, name);
+  WaveletParameters parameters{grid, in.get<float>(), {}};
+  for (std::uint8_t& shrink : parameters.shrink) shrink = in.get_u8();
+  if (!std::isfinite(parameters.step) || !(parameters.step > 0)) in.fail("its quantiser step is not a positive number");
+  if (in.left() != 0) in.fail("its parameters go on after their end");
+  return parameters;
 }
 
 WaveletPyramid analyse_raster(RasterView<const float> cells, const NodeGrid& grid, int threads) {

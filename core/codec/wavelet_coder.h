@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "core/codec/node_grid.h"
@@ -22,6 +23,10 @@ struct WaveletParameters {
   /// How far magnitudes of 1, 2, and 3 or more lie towards zero of their lattice points, in 1/256 of a step.
   std::array<std::uint8_t, 3> shrink{};
 };
+
+/// The parameters as bytes, but for the grid; and back. Safe for untrusted bytes: throws Error{damaged}, `name` being the file.
+std::vector<std::byte> encode_wavelet_parameters(const WaveletParameters& parameters);
+WaveletParameters decode_wavelet_parameters(std::span<const std::byte> bytes, const NodeGrid& grid, const std::string& name);
 
 /// The bands of a whole raster, level by level.
 struct WaveletPyramid {
@@ -49,8 +54,8 @@ NodeCoefficients blank_coefficients(const NodeGrid& grid, const NodeAddress& nod
 /// Where a node's contexts find its parent.
 ParentView view_parent(const NodeGrid& grid, const NodeAddress& node, const NodeCoefficients* parent);
 
-/// The stream of a node by index.
-using StreamReader = std::function<std::span<const std::byte>(std::int64_t index)>;
+/// The stream of a node by index. Called from several threads.
+using StreamReader = std::function<std::vector<std::byte>(std::int64_t index)>;
 
 /// A window of a level, 0 to grid.levels(); metres. Touches only the nodes that the window depends on. The same values for
 /// any window and any number of threads. Safe for untrusted streams; values may then be anything, infinite and NaN included.

@@ -87,8 +87,30 @@ void flush_folder(const fs::path& folder, const fs::path& target) {
   if (::fsync(file.number()) != 0 && errno != EINVAL) fail_writing(target, reason_of(errno));
 }
 
+}  // namespace
+
+std::vector<std::byte> read_file(const std::string& path) { return read_up_to(path, static_cast<std::size_t>(-1)); }
+
+std::vector<std::byte> read_file_start(const std::string& path, std::size_t count) { return read_up_to(path, count); }
+
+void check_output_file(const std::string& path, bool overwrite) {
+  const fs::path target(path);
+  if (path.empty() || !target.has_filename()) fail_writing(target, "no file name given");
+  const fs::path folder = folder_of(target);
+  std::error_code ignored;
+  if (!fs::is_directory(folder, ignored)) fail_writing(target, "the folder '" + folder.string() + "' does not exist");
+  const fs::file_status there = fs::symlink_status(target, ignored);
+  if (fs::exists(there)) {
+    if (fs::is_directory(target, ignored)) fail_writing(target, "it is a folder");
+    if (!fs::is_regular_file(there) && !fs::is_symlink(there)) fail_writing(target, "it is no plain file");
+    if (!overwrite) fail_writing(target, "it exists already; give --overwrite to replace it");
+  }
+  if (::access(folder.c_str(), W_OK | X_OK) != 0)
+    fail_writing(target, "cannot make a file in the folder '" + folder.string() + "': " + reason_of(errno));
+}
+
 /// A new hidden file beside its target, removed again unless it was moved into place.
-class HiddenFile {
+class AtomicFile::HiddenFile {
  public:
   explicit HiddenFile(const fs::path& target) : target_(target), file_(create()) {}
   ~HiddenFile() {
@@ -103,6 +125,9 @@ class HiddenFile {
       if (count < 0 && errno != EINTR) fail_writing(target_, reason_of(errno));
       if (count > 0) bytes = bytes.subspan(static_cast<std::size_t>(count));
     }
+  }
+
+  void flush() {
     if (::fsync(file_.number()) != 0) fail_writing(target_, reason_of(errno));
     if (!file_.close()) fail_writing(target_, reason_of(errno));
   }
@@ -141,34 +166,25 @@ class HiddenFile {
   Descriptor file_;
 };
 
-}  // namespace
+AtomicFile::AtomicFile(const std::string& path, bool overwrite) : path_(path), overwrite_(overwrite) {
+  check_output_file(path, overwrite);
+  file_ = std::make_unique<HiddenFile>(path);
+}
 
-std::vector<std::byte> read_file(const std::string& path) { return read_up_to(path, static_cast<std::size_t>(-1)); }
+AtomicFile::~AtomicFile() = default;
 
-std::vector<std::byte> read_file_start(const std::string& path, std::size_t count) { return read_up_to(path, count); }
+void AtomicFile::write(std::span<const std::byte> bytes) { file_->write(bytes); }
 
-void check_output_file(const std::string& path, bool overwrite) {
-  const fs::path target(path);
-  if (path.empty() || !target.has_filename()) fail_writing(target, "no file name given");
-  const fs::path folder = folder_of(target);
-  std::error_code ignored;
-  if (!fs::is_directory(folder, ignored)) fail_writing(target, "the folder '" + folder.string() + "' does not exist");
-  const fs::file_status there = fs::symlink_status(target, ignored);
-  if (fs::exists(there)) {
-    if (fs::is_directory(target, ignored)) fail_writing(target, "it is a folder");
-    if (!fs::is_regular_file(there) && !fs::is_symlink(there)) fail_writing(target, "it is no plain file");
-    if (!overwrite) fail_writing(target, "it exists already; give --overwrite to replace it");
-  }
-  if (::access(folder.c_str(), W_OK | X_OK) != 0)
-    fail_writing(target, "cannot make a file in the folder '" + folder.string() + "': " + reason_of(errno));
+void AtomicFile::commit() {
+  file_->flush();
+  file_->move_into_place(overwrite_);
+  flush_folder(folder_of(path_), path_);
 }
 
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes, bool overwrite) {
-  check_output_file(path, overwrite);
-  HiddenFile file(path);
+  AtomicFile file(path, overwrite);
   file.write(bytes);
-  file.move_into_place(overwrite);
-  flush_folder(folder_of(path), path);
+  file.commit();
 }
 
 }  // namespace arete

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,5 +23,22 @@ void check_output_file(const std::string& path, bool overwrite);
 /// renamed, and the folder is flushed. Without `overwrite` it never replaces a file, even one that appeared meanwhile. Where
 /// it fails nothing is left behind. Throws Error{disk}.
 void write_file_atomically(const std::string& path, std::span<const std::byte> bytes, bool overwrite);
+
+/// The same for a file that is made piece by piece. Nothing appears under the name before commit(), and nothing is left where
+/// the object goes without it.
+class AtomicFile {
+ public:
+  /// Throws Error{disk} as write_file_atomically would before writing.
+  AtomicFile(const std::string& path, bool overwrite);
+  ~AtomicFile();
+  void write(std::span<const std::byte> bytes);
+  void commit();
+
+ private:
+  class HiddenFile;
+  std::string path_;
+  bool overwrite_;
+  std::unique_ptr<HiddenFile> file_;
+};
 
 }  // namespace arete

@@ -11,7 +11,7 @@ namespace arete {
 namespace {
 
 Raster<float> decode(const WaveletStreams& streams, int level, const Window& window, int threads = 1) {
-  return decode_wavelet(streams.parameters, streams.root, [&](std::int64_t i) { return std::span<const std::byte>(streams.nodes[static_cast<std::size_t>(i)]); },
+  return decode_wavelet(streams.parameters, streams.root, [&](std::int64_t i) { return streams.nodes[static_cast<std::size_t>(i)]; },
                         level, window, threads);
 }
 

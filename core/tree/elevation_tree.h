@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "core/codec/tree_file.h"
+#include "core/codec/wavelet_coder.h"
+#include "core/terrain/raster_io.h"
+
+namespace arete {
+
+/// A tree of elevations, read by level and window. Level 0 is the raster; level l has a cell for every 2^l-th one.
+///
+/// Guarantees: 1. any window of a level has the values that the whole level has. 2. A window touches only the nodes that it
+/// depends on. 3. The values are the same on every machine, for any number of threads. 4. Safe for untrusted files: a damaged
+/// node is an Error{damaged}, never wrong values.
+class ElevationTree final : public RasterSource {
+ public:
+  /// Reads the directory. Throws as TreeFile.
+  explicit ElevationTree(TreeFile file, int threads = 1);
+  static ElevationTree open(const std::string& path, int threads = 1);
+
+  const TreeHeader& header() const { return file_.header(); }
+  const TreeFile& file() const { return file_; }
+  int levels() const { return header().grid.levels(); }
+  Size level_size(int level) const { return header().grid.level_size(level); }
+  Size size() const override { return header().grid.size(); }
+
+  /// Metres, NaN where void.
+  void read(const Window& window, RasterView<float> out) const override { read_level(0, window, out); }
+  void read_level(int level, const Window& window, RasterView<float> out) const;
+  /// The numbers as the source stored them, in the type of the header: NaN where void.
+  void read_stored(int level, const Window& window, RasterView<double> out) const;
+  /// Reads every node and checks it against its checksum. Throws Error{damaged}.
+  void verify_checksums() const;
+
+ private:
+  Raster<double> decode(int level, const Window& window) const;
+  Raster<std::uint8_t> decode_mask(int level, const Window& window) const;
+
+  TreeFile file_;
+  int threads_;
+  WaveletParameters wavelet_;
+};
+
+}  // namespace arete

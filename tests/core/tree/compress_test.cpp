@@ -1,0 +1,135 @@
+#include "core/tree/compress.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/support/error.h"
+#include "tests/core/codec/codec_terrain.h"
+#include "tests/core/tree/tree_sources.h"
+
+namespace arete {
+namespace {
+
+// Whole metres, with a hole where asked for.
+MemoryStored whole_metres(std::int64_t width, std::int64_t height, bool hole) {
+  const Raster<float> terrain = codec_terrain(width, height);
+  Raster<double> cells(width, height);
+  for (std::int64_t y = 0; y < height; ++y)
+    for (std::int64_t x = 0; x < width; ++x)
+      cells(x, y) = hole && std::hypot(x - width / 3, y - height / 2) < static_cast<double>(height) / 5 ? std::nan("") : std::round(terrain(x, y));
+  return MemoryStored(std::move(cells));
+}
+
+TreeHeader int16_header() {
+  TreeHeader header;
+  header.type = ValueType::int16;
+  return header;
+}
+
+struct Measured {
+  double rmse = 0, max = 0;
+  std::int64_t valid = 0;
+};
+
+// By a comparison of its own, not the one in the encoder.
+Measured compare(const MemoryStored& source, const MadeTree& made) {
+  const Size size = source.size();
+  Raster<double> decoded(size.width, size.height);
+  open_tree(made, 2).read_stored(0, {0, 0, size.width, size.height}, decoded.view());
+  Measured measured;
+  for (std::int64_t i = 0; i < size.cells(); ++i) {
+    EXPECT_EQ(std::isnan(decoded.data()[i]), std::isnan(source.cells().data()[i])) << i;
+    if (std::isnan(source.cells().data()[i])) continue;
+    const double error = std::abs(decoded.data()[i] - source.cells().data()[i]);
+    measured.rmse += error * error;
+    measured.max = std::max(measured.max, error);
+    ++measured.valid;
+  }
+  measured.rmse = std::sqrt(measured.rmse / static_cast<double>(measured.valid));
+  return measured;
+}
+
+TEST(Compress, ReachesThePsnrAndSaysWhatItMeasured) {
+  const MemoryStored source = whole_metres(300, 200, false);
+  for (double psnr : {35.0, 45.0, 55.0}) {
+    CompressOptions options;
+    options.target = {TreeClaim::psnr, psnr};
+    const MadeTree made = make_tree(source, int16_header(), options);
+    EXPECT_GE(made.report.psnr_db(), psnr);
+    EXPECT_LT(made.report.psnr_db(), psnr + 0.2);
+    const Measured measured = compare(source, made);
+    EXPECT_NEAR(measured.rmse, made.report.rmse_m, 1e-9);
+    EXPECT_EQ(measured.max, made.report.max_error_m);
+    EXPECT_EQ(made.report.bytes, made.file.size());
+  }
+}
+
+TEST(Compress, VoidsComeBackToTheCell) {
+  const MemoryStored source = whole_metres(211, 180, true);
+  CompressOptions options;
+  options.target = {TreeClaim::rmse, 1.5};
+  const MadeTree made = make_tree(source, int16_header(), options);
+  const Measured measured = compare(source, made);
+  EXPECT_LE(measured.rmse, 1.5);
+  EXPECT_LT(measured.valid, 211 * 180);
+  EXPECT_EQ(measured.valid, made.report.valid_cells);
+}
+
+TEST(Compress, KeepsToTheBytes) {
+  const MemoryStored source = whole_metres(256, 256, false);
+  for (double bytes : {700.0, 3000.0, 12000.0}) {
+    CompressOptions options;
+    options.target = {TreeClaim::bytes, bytes};
+    const MadeTree made = make_tree(source, int16_header(), options);
+    EXPECT_LE(static_cast<double>(made.file.size()), bytes);
+    EXPECT_GE(static_cast<double>(made.file.size()), 0.95 * bytes);
+  }
+}
+
+TEST(Compress, ErrorsAreInMetres) {
+  const MemoryStored source = whole_metres(128, 128, false);
+  TreeHeader header = int16_header();
+  header.scale = 0.1;
+  header.geo.vertical_unit = "foot";
+  header.geo.metres_per_unit = 0.3048;
+  CompressOptions options;
+  options.target = {TreeClaim::rmse, 0.1};
+  const MadeTree made = make_tree(source, header, options);
+  EXPECT_NEAR(compare(source, made).rmse * 0.03048, made.report.rmse_m, 1e-9);
+  EXPECT_LE(made.report.rmse_m, 0.1);
+  EXPECT_GT(made.report.rmse_m, 0.09);
+}
+
+TEST(Compress, ThreadsGiveTheSameFile) {
+  const MemoryStored source = whole_metres(300, 270, true);
+  CompressOptions options;
+  options.target = {TreeClaim::rmse, 2};
+  options.threads = 1;
+  const MadeTree one = make_tree(source, int16_header(), options);
+  for (int threads : {2, 7}) {
+    options.threads = threads;
+    EXPECT_EQ(make_tree(source, int16_header(), options).file, one.file) << threads;
+  }
+}
+
+TEST(Compress, TinyAndFlatRasters) {
+  for (const Size size : {Size{1, 1}, Size{1, 50}, Size{3, 2}, Size{40, 40}}) {
+    const MemoryStored source(Raster<double>(size.width, size.height, 417));
+    CompressOptions options;
+    options.target = {TreeClaim::rmse, 0.4};
+    EXPECT_LE(compare(source, make_tree(source, int16_header(), options)).rmse, 0.4) << size.width << " x " << size.height;
+  }
+}
+
+TEST(Compress, RefusesWhatCannotBe) {
+  const MemoryStored voids(Raster<double>(5, 4, std::numeric_limits<double>::quiet_NaN()));
+  EXPECT_THROW(make_tree(voids, int16_header(), {}), Error);
+  CompressOptions options;
+  options.target = {TreeClaim::bytes, 10};
+  EXPECT_THROW(make_tree(whole_metres(100, 100, false), int16_header(), options), Error);
+}
+
+}  // namespace
+}  // namespace arete
