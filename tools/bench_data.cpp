@@ -59,8 +59,14 @@ nlohmann::json trial_json(const BenchedDem& dem, const CodecTrial& trial) {
     data["rates"].push_back(!reading ? nlohmann::json()
                                      : nlohmann::json{{"bits_per_sample", reading->rate}, {"psnr_db", reading->psnr_db},
                                                       {"max_error_m", reading->max_error_m}, {"encode_s", reading->encode_s}, {"decode_s", reading->decode_s}});
-  for (const auto& bound : trial.bounds) data["bounds"].push_back(bound ? measurement_json(*bound) : nlohmann::json());
-  data["lossless"] = trial.lossless ? measurement_json(*trial.lossless) : nlohmann::json();
+  const auto promised = [&](const std::optional<Measurement>& made, std::optional<std::size_t> bound) {
+    if (!made) return nlohmann::json();
+    nlohmann::json entry = measurement_json(*made);
+    entry["bytes_over_best_other_percent"] = number_or_null(percent_over_best_other(dem, trial, bound));
+    return entry;
+  };
+  for (std::size_t i = 0; i < trial.bounds.size(); ++i) data["bounds"].push_back(promised(trial.bounds[i], i));
+  data["lossless"] = promised(trial.lossless, std::nullopt);
   const GainOverAnchor gain = gain_over_anchor(dem, trial);
   data["over_anchor"] = {{"mean_gain_db", number_or_null(gain.mean_db)}, {"bd_psnr_db", number_or_null(gain.bd_psnr_db)},
                          {"bd_rate_percent", number_or_null(gain.bd_rate_percent)}};
@@ -100,6 +106,18 @@ GainOverAnchor gain_over_anchor(const BenchedDem& dem, const CodecTrial& trial) 
   if (anchor == nullptr || anchor == &trial) return {};
   const std::vector<RatePoint> from = anchor->points(), to = trial.points();
   return {mean_gain(*anchor, trial, gain_lowest_rate, gain_highest_rate), bd_psnr(from, to), bd_rate(from, to)};
+}
+
+std::optional<double> percent_over_best_other(const BenchedDem& dem, const CodecTrial& trial, std::optional<std::size_t> bound) {
+  const auto bytes_of = [&](const CodecTrial& one) -> std::optional<double> {
+    const std::optional<Measurement>& made = bound ? one.bounds.at(*bound) : one.lossless;
+    return made && kept(*made) ? std::optional(static_cast<double>(made->bytes)) : std::nullopt;
+  };
+  std::optional<double> best;
+  for (const CodecTrial& other : dem.trials)
+    if (const auto bytes = bytes_of(other); &other != &trial && bytes && (!best || *bytes < *best)) best = bytes;
+  const std::optional<double> own = bytes_of(trial);
+  return own && best ? std::optional(100 * (*own / *best - 1)) : std::nullopt;
 }
 
 std::string format_value(const std::optional<double>& value, int decimals, const std::string& missing) {

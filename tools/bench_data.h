@@ -33,6 +33,10 @@ struct GainOverAnchor {
 };
 GainOverAnchor gain_over_anchor(const BenchedDem& dem, const CodecTrial& trial);
 
+/// By how many percent the bytes of a trial are more (above 0) or fewer (below 0) than those of the best other codec that kept the same
+/// promise: at the bound of that index, or lossless where it is nullopt. Nullopt where there is no other, or the trial has not kept it.
+std::optional<double> percent_over_best_other(const BenchedDem& dem, const CodecTrial& trial, std::optional<std::size_t> bound);
+
 /// "12.34", or `missing` where there is no number, "exact" where it is infinite.
 std::string format_value(const std::optional<double>& value, int decimals, const std::string& missing = "-");
 

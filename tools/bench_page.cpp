@@ -68,22 +68,40 @@ void add_rate_tables(Report& report, const BenchedDem& dem) {
     report.sections.push_back(codec_table(dem, heading, columns, [member = member](const CodecTrial& trial) { return readings(trial, member, 3); }));
 }
 
+/// The first codec's bytes against the best other's: with .sct in the list that is .sct.
+std::string percent_cell(const BenchedDem& dem, std::optional<std::size_t> bound) {
+  const std::optional<double> percent = percent_over_best_other(dem, dem.trials.front(), bound);
+  return signed_value(percent, 1) + (percent ? " %" : "");
+}
+
+/// A last row with those cells, unless there is nothing in them.
+void add_share_row(Report::Section& section, const BenchedDem& dem, Row cells) {
+  if (std::none_of(cells.begin(), cells.end(), [](const std::string& cell) { return cell.find('%') != std::string::npos; })) return;
+  cells.insert(cells.begin(), "bytes of " + dem.trials.front().title + " against the best other");
+  section.rows.push_back(std::move(cells));
+}
+
 void add_bound_table(Report& report, const BenchedDem& dem) {
   Report::Section section = codec_table(dem, "Bits per sample within a strict error", plain_numbers(dem.plan.bounds_m, " m"), [](const CodecTrial& trial) {
     Row cells;
     for (const auto& bound : trial.bounds) cells.push_back(!bound ? "-" : format_value(bound->bits, 3) + (kept(*bound) ? "" : " (broken)"));
     return cells;
   });
+  Row shares;
+  for (std::size_t i = 0; i < dem.plan.bounds_m.size(); ++i) shares.push_back(percent_cell(dem, i));
+  add_share_row(section, dem, std::move(shares));
   if (dem.plan.rates.empty()) section.svg = line_plot_svg(max_error_plot(dem));
   report.sections.push_back(std::move(section));
 }
 
 void add_lossless_table(Report& report, const BenchedDem& dem) {
-  report.sections.push_back(codec_table(dem, "Lossless", {"bits per sample", "bytes", "s to encode", "s to decode"}, [](const CodecTrial& trial) -> Row {
+  Report::Section section = codec_table(dem, "Lossless", {"bits per sample", "bytes", "s to encode", "s to decode"}, [](const CodecTrial& trial) -> Row {
     if (!trial.lossless) return {"-"};
     const Measurement& m = *trial.lossless;
     return {format_value(m.bits, 3) + (kept(m) ? "" : " (broken)"), std::to_string(m.bytes), format_value(m.encode_s, 3), format_value(m.decode_s, 3)};
-  }));
+  });
+  add_share_row(section, dem, {percent_cell(dem, std::nullopt), "", "", ""});
+  report.sections.push_back(std::move(section));
 }
 
 void add_dem(Report& report, const BenchedDem& dem) {

@@ -27,6 +27,17 @@ TEST(GainOverAnchor, IsOverWhatBothReached) {
   EXPECT_FALSE(gain_over_anchor(alone, alone.trials[0]).bd_psnr_db);
 }
 
+TEST(PercentOverBestOther, CountsOnlyWhatWasKept) {
+  BenchedDem dem = sample_bench();
+  EXPECT_FALSE(percent_over_best_other(dem, dem.trials[0], 0)) << "the only other broke the bound";
+  dem.trials[1].bounds[0]->max_error_m = 1;
+  dem.trials[1].bounds[0]->bytes = 2400;
+  EXPECT_NEAR(percent_over_best_other(dem, dem.trials[1], 0).value(), -20, 1e-9);
+  EXPECT_NEAR(percent_over_best_other(dem, dem.trials[0], 0).value(), 25, 1e-9);
+  EXPECT_FALSE(percent_over_best_other(dem, dem.trials[1], 1));
+  EXPECT_FALSE(percent_over_best_other(dem, dem.trials[1], std::nullopt));
+}
+
 TEST(BenchCsv, HasAsManyFieldsInEachLineAndQuotesNames) {
   const std::string csv = bench_csv({sample_bench("plain"), sample_bench("a \"b\", c")});
   EXPECT_THAT(csv, HasSubstr("\n\"a \"\"b\"\", c\",openjpeg,point,bytes,100,100,0.1,"));

@@ -20,6 +20,15 @@ TEST(BenchPage, SaysWhatWasMeasuredAndWhatWasBroken) {
   EXPECT_THAT(html, Not(HasSubstr("<script")));
 }
 
+TEST(BenchPage, HoldsTheFirstCodecAgainstTheBestOther) {
+  BenchedDem dem = sample_bench();
+  dem.trials[1].bounds[0]->max_error_m = 1;
+  dem.trials[1].bounds[0]->bytes = 2400;
+  const std::string html = write_html(bench_page({dem}, "x"));
+  EXPECT_THAT(html, HasSubstr("<td>bytes of JPEG 2000 against the best other</td><td>+25.0 %</td><td>-</td>"));
+  EXPECT_THAT(write_html(bench_page({sample_bench()}, "x")), Not(HasSubstr("against the best other</td>")));
+}
+
 TEST(PsnrPlot, BeginsBelowTheAnchorAndLeavesOutExactPoints) {
   const LinePlot plot = psnr_plot(sample_bench());
   ASSERT_EQ(plot.series.size(), 2u);
