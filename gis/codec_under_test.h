@@ -54,7 +54,8 @@ class CodecUnderTest {
   /// For a codec that cannot be asked for a size: its setting that makes files smaller or larger. Nullopt: it takes `bytes`, or neither.
   virtual std::optional<SettingsRange> settings_range(const TestedTerrain& terrain) const = 0;
 
-  /// Everything that decode needs. threads >= 1. Throws Error{format} where the library behind it fails.
+  /// Everything that decode needs. threads >= 1. Throws Error{usage} where this terrain does not allow the target (too few bytes for
+  /// any file), Error{format} where the library behind it fails.
   virtual std::vector<std::byte> encode(const TestedTerrain& terrain, CodingTarget target, int threads) const = 0;
 
   /// Elevations in metres into `out`, which has the terrain's size. Throws as encode.

@@ -4,6 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "core/support/error.h"
 
 namespace arete {
 namespace {
@@ -49,6 +52,17 @@ void compare_cells(const TestedTerrain& terrain, const Raster<float>& decoded, M
   measurement.psnr_db = measurement.rmse_m == 0 ? infinity : 20 * std::log10(peak / measurement.rmse_m);
 }
 
+/// Nothing where the codec says that it cannot reach the target.
+std::optional<Measurement> try_measure(const CodecUnderTest& codec, const TestedTerrain& terrain, CodingTarget target, int repeats, int threads) {
+  if (!codec.can(terrain, target)) return std::nullopt;
+  try {
+    return measure_codec(codec, terrain, target, repeats, threads);
+  } catch (const Error& error) {
+    if (error.kind() != ErrorKind::usage) throw;
+    return std::nullopt;
+  }
+}
+
 /// The measured points of a codec at one terrain, in rising rates.
 class Curve {
  public:
@@ -86,27 +100,29 @@ class Curve {
     return found == points_.end() ? nullptr : &*found;
   }
 
-  /// The bits per sample that the target gave.
-  double measure(CodingTarget target) {
+  /// The bits per sample that the target gave, or nothing.
+  std::optional<double> measure(CodingTarget target) {
     if (const Measurement* known = measured(target)) return known->bits;
-    const Measurement made = measure_codec(codec_, terrain_, target, 1, plan_.threads);
-    points_.insert(std::upper_bound(points_.begin(), points_.end(), made, [](const auto& a, const auto& b) { return a.bits < b.bits; }), made);
-    return made.bits;
+    const std::optional<Measurement> made = try_measure(codec_, terrain_, target, 1, plan_.threads);
+    if (!made) return std::nullopt;
+    points_.insert(std::upper_bound(points_.begin(), points_.end(), *made, [](const auto& a, const auto& b) { return a.bits < b.bits; }), *made);
+    return made->bits;
   }
 
   void ask_for_bytes(double rate) {
     const double bytes = rate * static_cast<double>(terrain_.cells.size().cells()) / 8;
-    if (!codec_.can(terrain_, {CodingTarget::Kind::bytes, bytes})) return;
-    const double got = measure({CodingTarget::Kind::bytes, bytes});
+    const std::optional<double> got = measure({CodingTarget::Kind::bytes, bytes});
+    if (!got) return;
     // A second file where the first missed a little; a codec that missed by far has nothing more to say.
-    const double miss = std::abs(std::log(got / rate));
-    if (miss > near_enough / 4 && miss < std::log(1.5)) measure({CodingTarget::Kind::bytes, bytes * rate / got});
+    const double miss = std::abs(std::log(*got / rate));
+    if (miss > near_enough / 4 && miss < std::log(1.5)) measure({CodingTarget::Kind::bytes, bytes * rate / *got});
   }
 
   void search_setting(double rate, CodecUnderTest::SettingsRange range) {
-    if (!codec_.can(terrain_, {CodingTarget::Kind::setting, range.coarse})) return;
     double low = std::log(range.coarse), high = std::log(range.fine);
-    double low_bits = measure({CodingTarget::Kind::setting, range.coarse}), high_bits = measure({CodingTarget::Kind::setting, range.fine});
+    const std::optional<double> least = measure({CodingTarget::Kind::setting, range.coarse}), most = measure({CodingTarget::Kind::setting, range.fine});
+    if (!least || !most) return;
+    double low_bits = *least, high_bits = *most;
     for (const Measurement& point : points_) {  // what other rates have found
       if (point.bits <= rate && point.bits > low_bits) low_bits = point.bits, low = std::log(point.target.value);
       if (point.bits > rate && point.bits < high_bits) high_bits = point.bits, high = std::log(point.target.value);
@@ -118,9 +134,10 @@ class Curve {
       const double straight = std::log(rate / low_bits) / std::log(high_bits / low_bits);
       const double middle = std::lerp(low, high, std::clamp(straight, 0.1, 0.9));
       if (std::abs(high - low) < 1e-6) return;
-      const double bits = measure({CodingTarget::Kind::setting, std::exp(middle)});
-      (bits <= rate ? low : high) = middle;
-      (bits <= rate ? low_bits : high_bits) = bits;
+      const std::optional<double> bits = measure({CodingTarget::Kind::setting, std::exp(middle)});
+      if (!bits) return;
+      (*bits <= rate ? low : high) = middle;
+      (*bits <= rate ? low_bits : high_bits) = *bits;
     }
   }
 
@@ -207,8 +224,7 @@ CodecTrial try_codec(const CodecUnderTest& codec, const TestedTerrain& terrain, 
   for (const double rate : plan.rates) trial.rates.push_back(curve.read(rate));
   trial.curve = curve.points();
   const auto measure_if_able = [&](CodingTarget target) {
-    std::optional<Measurement> made;
-    if (codec.can(terrain, target)) made = measure_codec(codec, terrain, target, plan.repeats, plan.threads);
+    std::optional<Measurement> made = try_measure(codec, terrain, target, plan.repeats, plan.threads);
     progress.advance(1);
     return made;
   };

@@ -21,7 +21,7 @@ struct Measurement {
   double encode_s = 0, decode_s = 0;  ///< medians
 };
 
-/// Encodes and decodes `repeats` times (at least 1) for the times; the first decode is compared.
+/// Encodes and decodes `repeats` times (at least 1) for the times; the first decode is compared. Throws as the codec.
 Measurement measure_codec(const CodecUnderTest& codec, const TestedTerrain& terrain, CodingTarget target, int repeats, int threads);
 
 /// A curve read at a rate: linear between the measured points beside it, on a logarithmic axis of rates. The times are those of the
@@ -58,7 +58,8 @@ bool kept(const Measurement& measurement);
 std::vector<double> default_bounds(const TestedTerrain& terrain);
 
 /// Where a codec has no target size its setting is searched for each rate, until the file is within 1 % or the bracket is narrow.
-/// Progress counts rates, bounds and the lossless coding, one each: trial_steps in all.
+/// A target that the codec says it cannot reach (Error{usage}) is left out. Progress counts rates, bounds and the lossless coding, one
+/// each: trial_steps in all.
 CodecTrial try_codec(const CodecUnderTest& codec, const TestedTerrain& terrain, const TrialPlan& plan, Progress& progress);
 std::int64_t trial_steps(const TrialPlan& plan);
 

@@ -13,4 +13,10 @@ std::vector<std::unique_ptr<CodecUnderTest>> peer_codecs() {
   return codecs;
 }
 
+std::vector<std::unique_ptr<CodecUnderTest>> all_codecs() {
+  std::vector<std::unique_ptr<CodecUnderTest>> codecs = peer_codecs();
+  codecs.insert(codecs.begin(), make_sct_codec());
+  return codecs;
+}
+
 }  // namespace arete

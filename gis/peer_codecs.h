@@ -11,6 +11,11 @@ namespace arete {
 /// of reports; the first is the anchor of all differences: JPEG 2000 by OpenJPEG, one tile, 16 bits, irreversible 9/7, 6 resolutions.
 std::vector<std::unique_ptr<CodecUnderTest>> peer_codecs();
 
+/// Ours, and the peers after it.
+std::vector<std::unique_ptr<CodecUnderTest>> all_codecs();
+
+/// The compact sparse tree, core/tree/compress.h.
+std::unique_ptr<CodecUnderTest> make_sct_codec();
 /// libopenjp2. Terrain scaled to 16 bits; strict errors and lossless by the reversible 5/3 on quantised terrain.
 std::unique_ptr<CodecUnderTest> make_openjpeg_codec();
 /// GDAL's driver JP2OpenJPEG as it comes: whole metres, tiles of 1024, QUALITY.

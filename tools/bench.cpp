@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/support/parallel.h"
+#include "core/terrain/fill_voids.h"
 #include "gis/dem_file.h"
 #include "gis/peer_codecs.h"
 #include "tools/bench_data.h"
@@ -24,7 +25,7 @@ struct BenchOptions {
   std::vector<std::string> paths;  // DEM... OUT
   std::vector<std::string> peers;
   std::vector<double> rates, bounds;
-  bool lossless = false;
+  bool lossless = false, fill = false;
   int repeats = 3;
   DemReadOptions reading;
 };
@@ -37,7 +38,7 @@ const std::vector<double> default_rates = {0.02, 0.05, 0.1, 0.2, 0.5, 1, 2};
 using Codecs = std::vector<std::unique_ptr<CodecUnderTest>>;
 
 Codecs choose_codecs(const std::vector<std::string>& names) {
-  Codecs codecs = peer_codecs();
+  Codecs codecs = all_codecs();
   if (!names.empty())
     std::erase_if(codecs, [&](const auto& codec) { return std::find(names.begin(), names.end(), codec->name()) == names.end(); });
   return codecs;
@@ -45,7 +46,7 @@ Codecs choose_codecs(const std::vector<std::string>& names) {
 
 std::vector<std::string> codec_names() {
   std::vector<std::string> names;
-  for (const auto& codec : peer_codecs()) names.push_back(codec->name());
+  for (const auto& codec : all_codecs()) names.push_back(codec->name());
   return names;
 }
 
@@ -60,9 +61,11 @@ void demand_memory(const DemReader& reader, const Codecs& codecs, const CommonOp
                                        readable_bytes(common.memory_bytes) + "; give more, fewer codecs (--peers), or a part of the DEM (gdal_translate -srcwin)");
 }
 
-TestedTerrain read_terrain(const std::string& path, const DemReadOptions& reading) {
+TestedTerrain read_terrain(const std::string& path, const DemReadOptions& reading, bool fill) {
   const DemReader reader(path, reading);
-  return examine_terrain(path, read_all(reader), reader.georeference().metres_per_unit);
+  Raster<float> cells = read_all(reader);
+  if (fill && std::any_of(cells.data(), cells.data() + cells.size().cells(), is_void)) fill_voids(cells.view());
+  return examine_terrain(path, std::move(cells), reader.georeference().metres_per_unit);
 }
 
 /// What the options ask for; where they name no part, all of them.
@@ -97,7 +100,7 @@ std::vector<std::string> make_labels(const std::vector<std::string>& paths) {
 
 BenchedDem bench_dem(const std::string& path, const std::string& label, const Codecs& codecs, const BenchOptions& options, const CommonOptions& common,
                      Progress& progress) {
-  const TestedTerrain terrain = read_terrain(path, options.reading);
+  const TestedTerrain terrain = read_terrain(path, options.reading, options.fill);
   BenchedDem dem{path, label, terrain.cells.size(), terrain.valid, terrain.low, terrain.high, terrain.quantum, make_plan(options, terrain, common), {}};
   progress.begin(label, trial_steps(dem.plan) * static_cast<std::int64_t>(codecs.size()));
   for (const auto& codec : codecs) dem.trials.push_back(try_codec(*codec, terrain, dem.plan, progress));
@@ -166,6 +169,7 @@ void add_bench(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_option("--bounds", options->bounds, "Measure size at these strict errors in metres; default: five that suit the relief")
       ->delimiter(',')->check(CLI::NonNegativeNumber)->type_name("LIST");
   verb->add_flag("--lossless", options->lossless, "Measure lossless size. Where --rates, --bounds or --lossless is given, only those parts are run");
+  verb->add_flag("--fill", options->fill, "Interpolate voids first, so that every codec gets the same raster and none pays for a mask");
   verb->add_option("--repeats", options->repeats, "Runs that times are the median of; default: 3")->check(CLI::Range(1, 99))->type_name("N");
 }
 

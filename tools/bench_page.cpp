@@ -179,7 +179,7 @@ LinePlot psnr_plot(const BenchedDem& dem) {
   plot.y_title = "PSNR in dB";
   double highest = 0, lowest = 0;
   for (const CodecTrial& trial : dem.trials) {
-    LinePlot::Series series{.name = trial.title, .colour = colour_of(trial)};
+    LinePlot::Series series{.name = trial.title, .colour = colour_of(trial), .strong = trial.name == "sct"};
     for (const RatePoint& point : trial.points())
       if (is_asked(dem, point.bits)) {
         series.points.emplace_back(point.bits, point.psnr);
@@ -198,7 +198,7 @@ LinePlot max_error_plot(const BenchedDem& dem) {
   plot.log_y = true;
   plot.note = "dashed: asked for that error";
   for (const CodecTrial& trial : dem.trials) {
-    LinePlot::Series series{.name = trial.title, .colour = colour_of(trial)}, strict{.name = "", .colour = colour_of(trial), .dashed = true};
+    LinePlot::Series series{.name = trial.title, .colour = colour_of(trial), .strong = trial.name == "sct"}, strict{.name = "", .colour = colour_of(trial), .dashed = true};
     for (const Measurement& m : trial.curve)
       if (is_asked(dem, m.bits)) series.points.emplace_back(m.bits, m.max_error_m);
     for (const auto& bound : trial.bounds)

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "core/support/error.h"
 #include "gis/dem_file.h"
 #include "gis/peer_codecs.h"
 #include "tests/data.h"
@@ -83,6 +84,35 @@ TEST(TryCodec, HasNoReadingBeyondWhatACodecReaches) {
   EXPECT_FALSE(trial.rates[0]);
   EXPECT_FALSE(trial.rates[1]);
   EXPECT_TRUE(trial.rates[2]);
+}
+
+/// Says that it cannot, and with what kind of error.
+class UnwillingCodec final : public CodecUnderTest {
+ public:
+  explicit UnwillingCodec(ErrorKind kind) : kind_(kind) {}
+  std::string name() const override { return "unwilling"; }
+  std::string title() const override { return "Unwilling"; }
+  std::string description() const override { return ""; }
+  bool keeps_voids() const override { return true; }
+  std::int64_t bytes_per_cell() const override { return 0; }
+  bool can(const TestedTerrain&, CodingTarget) const override { return true; }
+  std::optional<SettingsRange> settings_range(const TestedTerrain&) const override { return std::nullopt; }
+  std::vector<std::byte> encode(const TestedTerrain&, CodingTarget, int) const override { throw Error(kind_, "no"); }
+  void decode(std::span<const std::byte>, RasterView<float>, int) const override {}
+
+ private:
+  ErrorKind kind_;
+};
+
+TEST(TryCodec, LeavesOutTargetsThatCannotBeReachedAndHidesNoOtherFailure) {
+  NoProgress progress;
+  const TrialPlan plan{.rates = {0.1}, .bounds_m = {1}, .lossless = true, .repeats = 1};
+  const CodecTrial trial = try_codec(UnwillingCodec(ErrorKind::usage), slope(), plan, progress);
+  EXPECT_TRUE(trial.curve.empty());
+  EXPECT_FALSE(trial.rates[0]);
+  EXPECT_FALSE(trial.bounds[0]);
+  EXPECT_FALSE(trial.lossless);
+  EXPECT_THROW(try_codec(UnwillingCodec(ErrorKind::format), slope(), plan, progress), Error);
 }
 
 TEST(MeasureCodec, CountsErrorsOfValidCellsOnly) {
