@@ -1,0 +1,156 @@
+#include "core/codec/value_map.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace arete {
+namespace {
+
+// n is held to 31 bits, so that sums of two fit 32.
+constexpr double widest_range = 2147483000.0;
+
+// Half of what the predictive coder can sum in 32 bits; a range below it decodes faster.
+constexpr double narrow_range = 65000.0;
+
+// Parts that a bound is divided into where the data have no quantum: finer parts make predictions finer.
+constexpr std::int32_t finest_step = 31;
+constexpr std::int32_t greatest_step = (1 << 24) - 1;
+
+struct Quantum {
+  double numerator, denominator;
+};
+// From the coarsest; 381/1250 is the foot, 1200/3937 the US survey foot.
+constexpr std::array<Quantum, 14> quanta{{{1, 1}, {381, 1250}, {1200, 3937}, {1, 2}, {1, 4}, {1, 8}, {1, 10}, {1, 16}, {1, 32}, {1, 64}, {1, 100}, {1, 128}, {1, 1000}, {1, 10000}}};
+
+// Larger floats have larger numbers; the two zeros are neighbours.
+std::int64_t ordered_bits(float value) {
+  const auto bits = std::bit_cast<std::int32_t>(value);
+  return bits >= 0 ? std::int64_t{bits} : -std::int64_t{bits & 0x7fffffff} - 1;
+}
+
+float float_of(std::int64_t ordered) {
+  ordered = std::clamp<std::int64_t>(ordered, -0x80000000LL, 0x7fffffffLL);
+  return std::bit_cast<float>(ordered >= 0 ? static_cast<std::uint32_t>(ordered) : static_cast<std::uint32_t>(-ordered - 1) | 0x80000000U);
+}
+
+bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+
+struct Range {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -std::numeric_limits<double>::infinity();
+};
+
+Range range_of_values(StoredValues values) {
+  Range range;
+  for (double value : values) {
+    if (std::isnan(value)) continue;
+    range.lowest = std::min(range.lowest, value);
+    range.highest = std::max(range.highest, value);
+  }
+  if (range.lowest > range.highest) range = {0, 0};
+  return range;
+}
+
+// The steps of a quantum from the middle of the range on, or nullopt where they do not fit n.
+std::optional<ValueMap> steps_map(ValueType type, const Range& range, Quantum quantum) {
+  const double low = range.lowest * quantum.denominator / quantum.numerator, high = range.highest * quantum.denominator / quantum.numerator;
+  if (!(high - low < widest_range) || !(std::abs(low) < 0x1p52) || !(std::abs(high) < 0x1p52)) return std::nullopt;
+  return ValueMap{ValueMap::Kind::steps, type, std::llround((low + high) / 2), quantum.numerator, quantum.denominator};
+}
+
+bool gives_back(const ValueMap& map, StoredValues values) {
+  return std::all_of(values.begin(), values.end(), [&](double value) { return std::isnan(value) || same_bits(map.value_of(map.number_of(value)), value); });
+}
+
+std::optional<ValueMap> quantised_map(ValueType type, StoredValues values, const Range& range) {
+  for (const Quantum& quantum : quanta) {
+    const std::optional<ValueMap> map = steps_map(type, range, quantum);
+    if (!map) return std::nullopt;
+    if (gives_back(*map, values)) return map;
+    if (is_integer(type)) return std::nullopt;
+  }
+  return std::nullopt;
+}
+
+// The largest rounding of a decoded number to the type.
+double rounding_of(ValueType type, const Range& range) {
+  const double greatest = std::max(std::abs(range.lowest), std::abs(range.highest));
+  return type == ValueType::float32 ? std::ldexp(greatest, -24) : std::ldexp(greatest, -52);
+}
+
+}  // namespace
+
+double ValueMap::value_of(std::int32_t n) const {
+  if (kind == Kind::float_bits) return static_cast<double>(float_of(base + n));
+  return hold_to(type, static_cast<double>(base + n) * numerator / denominator);
+}
+
+std::int32_t ValueMap::number_of(double value) const {
+  const double number = kind == Kind::float_bits ? static_cast<double>(ordered_bits(static_cast<float>(value)))
+                                                 : std::round(value * denominator / numerator);
+  return static_cast<std::int32_t>(std::clamp(number - static_cast<double>(base), -0x1p31, 0x1p31 - 1));
+}
+
+void put_value_map(const ValueMap& map, ByteWriter& out) {
+  out.put_u8(static_cast<std::uint8_t>(map.kind));
+  out.put_varint(static_cast<std::uint64_t>(map.base < 0 ? -2 * map.base - 1 : 2 * map.base));
+  if (map.kind == ValueMap::Kind::float_bits) return;
+  out.put(map.numerator);
+  out.put(map.denominator);
+}
+
+ValueMap get_value_map(ByteReader& in, ValueType type) {
+  ValueMap map;
+  map.type = type;
+  const std::uint8_t kind = in.get_u8();
+  if (kind != 1 && kind != 2) in.fail("its values are mapped in a way that does not exist");
+  map.kind = static_cast<ValueMap::Kind>(kind);
+  const std::uint64_t folded = in.get_varint(std::uint64_t{1} << 54, "the base of its values");
+  map.base = folded % 2 ? -static_cast<std::int64_t>(folded / 2) - 1 : static_cast<std::int64_t>(folded / 2);
+  if (map.kind == ValueMap::Kind::float_bits) return map;
+  map.numerator = in.get<double>();
+  map.denominator = in.get<double>();
+  if (!(map.numerator > 0) || !std::isfinite(map.numerator) || !(map.denominator > 0) || !std::isfinite(map.denominator))
+    in.fail("the quantum of its values is not a positive number");
+  return map;
+}
+
+std::optional<ValueMap> map_lossless(ValueType type, StoredValues values) {
+  const Range range = range_of_values(values);
+  if (const std::optional<ValueMap> map = quantised_map(type, values, range)) return map;
+  if (is_integer(type)) return std::nullopt;
+  const std::int64_t low = ordered_bits(static_cast<float>(range.lowest)), high = ordered_bits(static_cast<float>(range.highest));
+  const ValueMap bits{ValueMap::Kind::float_bits, type, (low + high) / 2};
+  if (!gives_back(bits, values)) return std::nullopt;
+  return bits;
+}
+
+std::optional<BoundedMap> map_within(ValueType type, StoredValues values, double max_error) {
+  const Range range = range_of_values(values);
+  if (is_integer(type)) {
+    const std::optional<ValueMap> map = steps_map(type, range, {1, 1});
+    if (!map) return std::nullopt;
+    return BoundedMap{*map, static_cast<std::int32_t>(std::min<double>(2 * std::floor(max_error) + 1, greatest_step))};
+  }
+  // The bound is left its rounding, and a little more for the products of number_of.
+  const double usable = (max_error - rounding_of(type, range)) * (1 - 1e-9);
+  if (!(usable > 0)) return std::nullopt;
+  BoundedMap free;
+  for (free.step = finest_step; free.step > 1 && (range.highest - range.lowest) * free.step / (2 * usable) > narrow_range; free.step -= 2) {
+  }
+  const std::optional<ValueMap> map = steps_map(type, range, {2 * usable / free.step, 1});
+  if (!map) return std::nullopt;
+  free.map = *map;
+  // Data with a quantum: as many whole ones as the bound holds may be a wider step than twice the bound.
+  if (const std::optional<ValueMap> whole = quantised_map(type, values, range)) {
+    const double quantum = whole->numerator / whole->denominator;
+    const double within = std::floor((max_error - 2 * rounding_of(type, range)) / quantum * (1 + 1e-12));
+    if ((2 * within + 1) * quantum >= 2 * usable && within < greatest_step / 2) return BoundedMap{*whole, static_cast<std::int32_t>(2 * within + 1)};
+  }
+  return free;
+}
+
+}  // namespace arete

@@ -1,0 +1,103 @@
+#include "core/codec/value_map.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/support/error.h"
+#include "core/support/random.h"
+
+namespace arete {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+void expect_lossless(const ValueMap& map, const std::vector<double>& values) {
+  for (double value : values) {
+    if (std::isnan(value)) continue;
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(map.value_of(map.number_of(value))), std::bit_cast<std::uint64_t>(value)) << value;
+  }
+}
+
+TEST(ValueMap, IntegersAreTheirOwnNumbers) {
+  const std::vector<double> values{-32768, 0, 17, none, 32767};
+  const std::optional<ValueMap> map = map_lossless(ValueType::int16, values);
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->numerator, 1);
+  expect_lossless(*map, values);
+}
+
+TEST(ValueMap, FindsWholeCentimetresInFloats) {
+  std::vector<double> values{none};
+  for (int n = 18790; n < 30728; n += 13) values.push_back(static_cast<float>(n / 100.0));
+  const std::optional<ValueMap> map = map_lossless(ValueType::float32, values);
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->kind, ValueMap::Kind::steps);
+  EXPECT_EQ(map->denominator, 100);
+  expect_lossless(*map, values);
+}
+
+TEST(ValueMap, OtherFloatsGoByTheirBits) {
+  std::vector<double> values{0.0, -0.0, std::numeric_limits<float>::denorm_min(), -std::numeric_limits<float>::denorm_min(), 1e30F, -3.3e-12F};
+  for (std::uint64_t i = 0; i < 100; ++i) values.push_back(static_cast<float>(1300 + uniform_at(1, i)));
+  const std::optional<ValueMap> map = map_lossless(ValueType::float32, values);
+  ASSERT_TRUE(map);
+  EXPECT_EQ(map->kind, ValueMap::Kind::float_bits);
+  expect_lossless(*map, values);
+}
+
+TEST(ValueMap, DoublesThatAreFloatsOrQuantised) {
+  expect_lossless(*map_lossless(ValueType::float64, std::vector<double>{1.5F, 0.1F, 1e-20F}), {1.5F, 0.1F, 1e-20F});
+  expect_lossless(*map_lossless(ValueType::float64, std::vector<double>{0.1, 0.2, 1234.7}), {0.1, 0.2, 1234.7});
+  EXPECT_FALSE(map_lossless(ValueType::float64, std::vector<double>{0.1, M_PI}).has_value());
+}
+
+// Every n that the coder may turn a number into, after rounding to the type.
+TEST(ValueMap, BoundsHoldAfterRounding) {
+  for (double max_error : {0.0005, 0.01, 0.05, 0.1, 0.25, 3.0}) {
+    for (int kind = 0; kind < 2; ++kind) {
+      std::vector<double> values;
+      for (std::uint64_t i = 0; i < 3000; ++i) {
+        const double z = 1297 + 50 * uniform_at(2, i);
+        values.push_back(kind ? static_cast<float>(std::round(z * 100) / 100) : static_cast<float>(z));
+      }
+      const std::optional<BoundedMap> bounded = map_within(ValueType::float32, values, max_error);
+      ASSERT_TRUE(bounded) << max_error;
+      EXPECT_EQ(bounded->step % 2, 1);
+      for (double value : values) {
+        const std::int32_t n = bounded->map.number_of(value);
+        for (const std::int32_t m : {n - bounded->step / 2, n, n + bounded->step / 2}) ASSERT_LE(std::abs(bounded->map.value_of(m) - value), max_error) << value;
+      }
+    }
+  }
+  EXPECT_FALSE(map_within(ValueType::float32, std::vector<double>{1000.1F, 1300.7F}, 1e-6).has_value());
+}
+
+TEST(ValueMap, BoundsOfIntegersAreWholeSteps) {
+  const std::vector<double> values{500, 3000};
+  for (const auto& [bound, step] : std::vector<std::pair<double, int>>{{0.5, 1}, {1, 3}, {1.9, 3}, {20, 41}})
+    EXPECT_EQ(map_within(ValueType::int16, values, bound)->step, step) << bound;
+}
+
+TEST(ValueMap, ComesBackFromBytes) {
+  for (const ValueMap& map : {ValueMap{ValueMap::Kind::steps, ValueType::float32, -12345, 381, 1250}, ValueMap{ValueMap::Kind::float_bits, ValueType::float64, 1LL << 40}}) {
+    ByteWriter out;
+    put_value_map(map, out);
+    ByteReader in(out.bytes(), "x");
+    const ValueMap again = get_value_map(in, map.type);
+    EXPECT_EQ(again.kind, map.kind);
+    EXPECT_EQ(again.base, map.base);
+    EXPECT_EQ(again.numerator, map.numerator);
+    EXPECT_EQ(again.denominator, map.denominator);
+    EXPECT_EQ(in.left(), 0U);
+  }
+  const std::vector<std::byte> lie{std::byte{3}, std::byte{0}};
+  ByteReader in(lie, "x");
+  EXPECT_THROW(get_value_map(in, ValueType::int16), Error);
+}
+
+}  // namespace
+}  // namespace arete
