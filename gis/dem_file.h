@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/support/progress.h"
 #include "core/terrain/georeference.h"
 #include "core/terrain/raster_io.h"
+#include "core/terrain/value_type.h"
 
 namespace arete {
 
@@ -29,10 +31,12 @@ struct DemDescription {
   bool masked = false;    ///< a mask or alpha band says which cells are valid
   double scale = 1;       ///< elevation = scale x stored + offset, in the vertical unit
   double offset = 0;
+  std::string unit;       ///< of the band, as it is written there; empty where it names none (the CRS may know it)
   bool south_up = false;  ///< the file's rows run from south to north; here they are turned
   bool unit_stated = false;  ///< the file states a vertical unit; else metres are assumed
   bool unit_known = true;    ///< false: the file names a vertical unit that is not known, and it was taken as the metre
   std::map<std::string, std::string> metadata;  ///< of the dataset
+  std::map<std::string, std::string> band_metadata;  ///< of the band, without its statistics
 };
 
 /// A DEM that GDAL opens, read by window: metres (scale, offset and vertical unit applied), NaN where void.
@@ -54,6 +58,13 @@ class DemReader final : public RasterSource {
   Size size() const override;
   /// Throws Error{input} where the file is damaged there. Reads are one at a time inside.
   void read(const Window& window, RasterView<float> out) const override;
+  /// The numbers as the file stores them, without scale, offset or unit; NaN exactly where read() has a void. Each is a value of
+  /// value_type(). Terrain-RGB gives its metres, rounded to float. Throws as read(), and Error{format} where an integer of 64
+  /// bits is 2^53 or more.
+  void read_stored(const Window& window, RasterView<double> out) const;
+  /// The type of the stored numbers: the file's own; Float32 for terrain-RGB, Int16 for signed bytes. For integers of 64 bits the
+  /// narrowest that holds the values and a void, Float64 at last: this reads the whole band, at every call. Throws as read_stored.
+  ValueType value_type() const;
 
   const GeoReference& georeference() const;
   CellSize cell_size() const;  ///< at the centre
@@ -73,33 +84,47 @@ struct DemWriteOptions {
   /// A unit per band, or empty: all bands are elevations. A band of unit "m" is converted to the file's vertical unit; any other
   /// (an index: "") is written as it is.
   std::vector<std::string> band_units = {};
+  ValueType type = ValueType::float32;  ///< of every band
+  double scale = 1;   ///< of the bands that are elevations: elevation in the vertical unit = scale x stored + offset. Not 0
+  double offset = 0;
+  /// What the bands that are elevations name as their unit; nullopt: the georeference's vertical unit. Empty: none.
+  std::optional<std::string> unit = {};
   std::map<std::string, std::string> metadata = {};  ///< how it was made: ARETE_* items; TIFFTAG_SOFTWARE defaults to "arete <version>"
+  std::map<std::string, std::string> band_metadata = {};  ///< of the first band
   std::int64_t memory_bytes = 256 << 20;  ///< GDAL's block cache, which belongs to the process, is shrunk to this, never grown
   int threads = 0;                        ///< of the compressor; 0: one per core. The bytes do not depend on it
 };
 
-/// Writes a DEM by window, as Float32, in the vertical unit of its georeference (the values given are metres, and are divided by
-/// metres_per_unit: a source in feet gives a file in feet).
+/// Writes a DEM by window, in the vertical unit of its georeference, as numbers of the type, scale and offset of its options:
+/// either metres (`write`; they are divided by metres_per_unit: a source in feet gives a file in feet), or the stored numbers
+/// themselves (`write_stored`). What the type does not hold is held to it (hold_to: rounded, clamped), but metres that no float
+/// holds, and infinities, are void.
 ///
-/// Voids are written as the georeference's nodata value where a float can hold it; else as NaN, or -9999 in ASCII grids, whose
-/// other readers know no NaN. A valid elevation that happens to equal the nodata value is moved to the next float, so that it stays
-/// valid. CRS (with its vertical part), registration, unit, band names and metadata are written as far as the format holds them.
+/// Voids are written as the georeference's nodata value where the type holds it. Else floats become NaN, or -9999 in ASCII grids,
+/// whose other readers know no NaN, and integers the lowest of their type; commit() throws Error{format} where a valid cell
+/// has that value too. Where no stored number is void, the file declares exactly the nodata value of the georeference, or none
+/// (an infinite one is never declared: GDAL 3.6 then takes every cell for void). A valid elevation that equals the
+/// georeference's nodata value is moved to the next value of the type, so that it stays valid (stored numbers as DemReader
+/// gives them never do). CRS (with its vertical part), registration, unit, scale, offset, band names and metadata are written as
+/// far as the format holds them.
 ///
 /// Guarantees: 1. nothing appears under the path, nor beside it, before commit() has written everything, checked it and flushed it
 /// to the disk; then all files appear by rename, the main one last. 2. Without commit, or when it fails, an existing
 /// output is as it was, and the folder holds nothing new. (Work in progress lies in a hidden folder `.arete-XXXXXX` beside the
-/// output: 4 bytes per cell and band, plus the output. Only a killed process leaves it.) 3. The same cells give the
+/// output: the bytes of the type per cell and band, plus the output. Only a killed process leaves it.) 3. The same cells give the
 /// same bytes for any order and size of windows, memory and threads.
 class DemWriter final : public RasterSink {
  public:
   /// Throws Error{disk} where the output exists (and may not be overwritten) or its folder is missing or read-only,
-  /// Error{format} where no driver writes that extension or the format holds no 32-bit floats.
+  /// Error{format} where no driver writes that extension or the format holds no values of that type.
   DemWriter(const std::string& path, Size size, const GeoReference& geo, const DemWriteOptions& options = {});
   ~DemWriter() override;
   /// Cells that are never written are void. Throws Error{disk} where the disk is full or fails.
   void write(int band, const Window& window, RasterView<const float> cells) override;
+  /// Writes the numbers of the first band as the file is to store them, NaN where void: DemReader::read_stored gives them back.
+  void write_stored(const Window& window, RasterView<const double> cells);
   /// Makes the file in its format, with overviews for a COG, and gives it its name. Throws Error{disk}, or Error{format} where the
-  /// driver refuses this raster; Error{interrupted} where `progress` says so.
+  /// driver refuses this raster or voids have no value; Error{interrupted} where `progress` says so.
   void commit(Progress* progress = nullptr);
 
  private:

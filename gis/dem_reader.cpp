@@ -19,6 +19,9 @@ namespace {
 
 constexpr double huge_nodata = 1e30;         // beyond it a declared value may be rounded: 1.70141e+38 stands for 2^127
 constexpr double huge_nodata_share = 2e-6;   // six significant digits
+constexpr double exact_integers = 9007199254740992.0;  // 2^53: from here on doubles skip integers
+constexpr std::int64_t strip_cells = 1 << 20;
+constexpr double void_number = std::numeric_limits<double>::quiet_NaN();
 
 /// Which stored values are void.
 struct NodataTest {
@@ -126,14 +129,27 @@ std::string wkt_of(const OGRSpatialReference* crs) {
   return wkt;
 }
 
-std::map<std::string, std::string> metadata_of(GDALDataset& dataset) {
+std::map<std::string, std::string> metadata_of(GDALMajorObject& object) {
   std::map<std::string, std::string> items;
-  for (CSLConstList item = dataset.GetMetadata(); item != nullptr && *item != nullptr; ++item) {
+  for (CSLConstList item = object.GetMetadata(); item != nullptr && *item != nullptr; ++item) {
     const std::string text = *item;
     const auto equals = text.find('=');
     if (equals != std::string::npos) items[text.substr(0, equals)] = text.substr(equals + 1);
   }
   return items;
+}
+
+/// Without the statistics of programs that looked at the file: they are of its cells, and a copy's cells may be others.
+std::map<std::string, std::string> metadata_of_band(GDALRasterBand& band) {
+  std::map<std::string, std::string> items = metadata_of(band);
+  std::erase_if(items, [](const auto& item) { return item.first.rfind("STATISTICS_", 0) == 0; });
+  return items;
+}
+
+/// GDAL up to 3.6 calls signed bytes "Byte" and gives them without their sign.
+bool holds_signed_bytes(GDALRasterBand& band) {
+  const char* kind = band.GetMetadataItem("PIXELTYPE", "IMAGE_STRUCTURE");
+  return band.GetRasterDataType() == GDT_Byte && kind != nullptr && EQUAL(kind, "SIGNEDBYTE");
 }
 
 }  // namespace
@@ -147,14 +163,21 @@ struct DemReader::Impl {
   GeoReference geo;
   DemDescription about;
   NodataTest is_nodata;
+  bool signed_bytes = false;
+  bool wide_integers = false;  // 64 bits
   mutable std::mutex one_at_a_time;
 
   void choose_band();
   void describe();
   void georeference();
-  void read_rows(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height, RasterView<float> out) const;
   void fetch(GDALRasterBand& from, const Window& window, void* to, GDALDataType type) const;
-  float elevation(double stored) const;
+  std::vector<double> fetch_numbers(const Window& window) const;
+  std::vector<double> stored(const Window& window) const;
+  double metres(double number) const { return (number * about.scale + about.offset) * geo.metres_per_unit; }
+  double checked(double number) const;
+  template <typename T, typename Convert>
+  void read(const Window& window, RasterView<T> out, const Convert& convert) const;
+  ValueType narrowest_type() const;
 };
 
 void DemReader::Impl::choose_band() {
@@ -184,6 +207,10 @@ void DemReader::Impl::describe() {
   about.bands = dataset->GetRasterCount();
   for (int i = 1; i <= about.bands; ++i) about.band_names.emplace_back(dataset->GetRasterBand(i)->GetDescription());
   about.metadata = metadata_of(*dataset);
+  about.band_metadata = metadata_of_band(*band);
+  about.unit = options.terrain_rgb ? "m" : band->GetUnitType();
+  signed_bytes = holds_signed_bytes(*band);
+  wide_integers = band->GetRasterDataType() == GDT_Int64 || band->GetRasterDataType() == GDT_UInt64;
   // A mask that GDAL derives from the nodata value is ours to test; only a stored one is read.
   about.masked = (band->GetMaskFlags() & (GMF_ALL_VALID | GMF_NODATA)) == 0;
   if (options.terrain_rgb) return;
@@ -230,34 +257,89 @@ void DemReader::Impl::fetch(GDALRasterBand& from, const Window& w, void* to, GDA
                                     path + "', which may be damaged or cut short" + errors.suffix());
 }
 
-float DemReader::Impl::elevation(double stored) const {
-  if (is_nodata(stored)) return void_value;
-  const double metres = (stored * about.scale + about.offset) * geo.metres_per_unit;
-  return std::fabs(metres) <= std::numeric_limits<float>::max() ? static_cast<float>(metres) : void_value;
+/// The numbers of the band, or the metres of a terrain-RGB picture; the file's rows in its own order.
+std::vector<double> DemReader::Impl::fetch_numbers(const Window& window) const {
+  const auto cells = static_cast<std::size_t>(window.size().cells());
+  std::vector<double> numbers(cells);
+  fetch(*band, window, numbers.data(), GDT_Float64);
+  if (signed_bytes)
+    for (double& number : numbers) number = number > 127 ? number - 256 : number;
+  if (!options.terrain_rgb) return numbers;
+  std::vector<double> green(cells), blue(cells);
+  fetch(*dataset->GetRasterBand(2), window, green.data(), GDT_Float64);
+  fetch(*dataset->GetRasterBand(3), window, blue.data(), GDT_Float64);
+  for (std::size_t i = 0; i < cells; ++i) numbers[i] = -10000 + (numbers[i] * 65536 + green[i] * 256 + blue[i]) * 0.1;
+  return numbers;
 }
 
-/// Rows [y, y + height) of the file, in its own order.
-void DemReader::Impl::read_rows(std::int64_t x, std::int64_t y, std::int64_t width, std::int64_t height,
-                                RasterView<float> out) const {
-  const Window window{x, y, width, height};
-  const auto cells = static_cast<std::size_t>(width * height);
-  std::vector<double> stored(cells);
-  fetch(*band, window, stored.data(), GDT_Float64);
-  if (options.terrain_rgb) {
-    std::vector<double> green(cells), blue(cells);
-    fetch(*dataset->GetRasterBand(2), window, green.data(), GDT_Float64);
-    fetch(*dataset->GetRasterBand(3), window, blue.data(), GDT_Float64);
-    for (std::size_t i = 0; i < cells; ++i) stored[i] = -10000 + (stored[i] * 65536 + green[i] * 256 + blue[i]) * 0.1;
-  }
-  for (std::int64_t row = 0; row < height; ++row)
-    for (std::int64_t column = 0; column < width; ++column)
-      out(column, row) = elevation(stored[static_cast<std::size_t>(row * width + column)]);
-  if (!about.masked) return;
-  std::vector<std::uint8_t> valid(cells);
+/// The same, with NaN for all that is void.
+std::vector<double> DemReader::Impl::stored(const Window& window) const {
+  std::vector<double> numbers = fetch_numbers(window);
+  for (double& number : numbers)
+    if (is_nodata(number) || !(std::fabs(metres(number)) <= std::numeric_limits<float>::max())) number = void_number;
+  if (!about.masked) return numbers;
+  std::vector<std::uint8_t> valid(numbers.size());
   fetch(*band->GetMaskBand(), window, valid.data(), GDT_Byte);
-  for (std::int64_t row = 0; row < height; ++row)
-    for (std::int64_t column = 0; column < width; ++column)
-      if (valid[static_cast<std::size_t>(row * width + column)] == 0) out(column, row) = void_value;
+  for (std::size_t i = 0; i < valid.size(); ++i)
+    if (valid[i] == 0) numbers[i] = void_number;
+  return numbers;
+}
+
+/// What a number of 64 bits is, if that is certain.
+double DemReader::Impl::checked(double number) const {
+  if (options.terrain_rgb) return hold_to(ValueType::float32, number);
+  if (!wide_integers || !(std::fabs(number) >= exact_integers)) return number;
+  throw Error(ErrorKind::format, "'" + path + "' holds integers of 2^53 or more (" + about.data_type +
+                                     "), which cannot be kept exactly; convert it to Float64 first (gdal_translate -ot Float64)");
+}
+
+/// By strips of about a million cells, ended where the file's blocks end so that no block is decoded twice.
+template <typename T, typename Convert>
+void DemReader::Impl::read(const Window& window, RasterView<T> out, const Convert& convert) const {
+  const std::lock_guard<std::mutex> lock(one_at_a_time);
+  int block_width = 1, block_height = 1;
+  band->GetBlockSize(&block_width, &block_height);
+  std::int64_t rows = std::max<std::int64_t>(1, strip_cells / std::max<std::int64_t>(1, window.width));
+  if (rows > block_height) rows -= rows % block_height;
+  const bool turned = about.south_up;
+  const std::int64_t first = turned ? size.height - window.y - window.height : window.y;
+  for (std::int64_t done = 0; done < window.height;) {
+    const std::int64_t y = first + done;
+    const std::int64_t height = std::min(window.height - done, rows - y % rows);
+    const std::vector<double> numbers = stored({window.x, y, window.width, height});
+    for (std::int64_t row = 0; row < height; ++row) {
+      const double* from = numbers.data() + row * window.width;
+      T* to = out.row(turned ? window.height - 1 - done - row : done + row);
+      std::transform(from, from + window.width, to, convert);
+    }
+    done += height;
+  }
+}
+
+/// Of a band of 64-bit integers: looks at all its cells.
+ValueType DemReader::Impl::narrowest_type() const {
+  double lowest = 0, highest = 0;
+  bool any = false, voids = false;
+  const std::int64_t rows = std::max<std::int64_t>(1, strip_cells / size.width);
+  Raster<double> strip(size.width, std::min(rows, size.height));
+  for (std::int64_t y = 0; y < size.height; y += rows) {
+    const std::int64_t height = std::min(rows, size.height - y);
+    read({0, y, size.width, height}, strip.view(), [this](double number) { return checked(number); });
+    for (std::int64_t i = 0; i < size.width * height; ++i) {
+      const double number = strip.data()[i];
+      voids = voids || std::isnan(number);
+      if (std::isnan(number)) continue;
+      lowest = any ? std::min(lowest, number) : number;
+      highest = any ? std::max(highest, number) : number;
+      any = true;
+    }
+  }
+  for (const ValueType type : {ValueType::uint8, ValueType::int16, ValueType::uint16, ValueType::int32, ValueType::uint32}) {
+    const ValueRange range = range_of(type);
+    const bool room = !voids || (is_nodata.declared && holds(type, is_nodata.value)) || range.lowest < lowest;
+    if (room && range.lowest <= lowest && highest <= range.highest) return type;
+  }
+  return ValueType::float64;
 }
 
 DemReader::DemReader(const std::string& path, const DemReadOptions& options) : impl_(std::make_unique<Impl>()) {
@@ -285,24 +367,23 @@ const std::string& DemReader::path() const { return impl_->path; }
 std::string DemReader::data_type() const { return impl_->about.data_type; }
 const DemDescription& DemReader::description() const { return impl_->about; }
 
+ValueType DemReader::value_type() const {
+  if (impl_->options.terrain_rgb) return ValueType::float32;
+  if (impl_->signed_bytes) return ValueType::int16;
+  if (impl_->wide_integers) return impl_->narrowest_type();
+  if (const auto type = value_type_named(impl_->about.data_type)) return *type;
+  throw Error(ErrorKind::format, "'" + impl_->path + "' stores its elevations as " + impl_->about.data_type +
+                                     ", a type that is not known here; convert it first (gdal_translate -ot Float32)");
+}
+
 void DemReader::read(const Window& window, RasterView<float> out) const {
-  const std::lock_guard<std::mutex> lock(impl_->one_at_a_time);
-  // Strips of about a million cells, ended where the file's blocks end so that no block is decoded twice.
-  constexpr std::int64_t strip_cells = 1 << 20;
-  int block_width = 1, block_height = 1;
-  impl_->band->GetBlockSize(&block_width, &block_height);
-  std::int64_t rows = std::max<std::int64_t>(1, strip_cells / std::max<std::int64_t>(1, window.width));
-  if (rows > block_height) rows -= rows % block_height;
-  const bool turned = impl_->about.south_up;
-  const std::int64_t first = turned ? impl_->size.height - window.y - window.height : window.y;
-  for (std::int64_t done = 0; done < window.height;) {
-    const std::int64_t y = first + done;
-    const std::int64_t height = std::min(window.height - done, rows - y % rows);
-    RasterView<float> to{out.data + done * out.stride, window.width, height, out.stride};
-    if (turned) to = {out.data + (window.height - 1 - done) * out.stride, window.width, height, -out.stride};
-    impl_->read_rows(window.x, y, window.width, height, to);
-    done += height;
-  }
+  const Impl& impl = *impl_;
+  impl.read(window, out, [&](double number) { return static_cast<float>(impl.metres(number)); });
+}
+
+void DemReader::read_stored(const Window& window, RasterView<double> out) const {
+  const Impl& impl = *impl_;
+  impl.read(window, out, [&](double number) { return impl.checked(number); });
 }
 
 }  // namespace arete

@@ -306,7 +306,7 @@ TEST(DemWriter, StopsWhenTheUserSaysSo) {
 
 /// Writes in a child process that may write no file of more than `limit` bytes. Returns its exit code: 0 success, 5 Error{disk},
 /// 1 anything else; 99 when the child printed something on stderr.
-int write_with_limit(const std::string& path, const Raster<float>& cells, rlim_t limit, const std::string& log) {
+int write_with_limit(const std::string& path, const Raster<float>& cells, rlim_t limit, ValueType type, const std::string& log) {
   const pid_t child = fork();
   if (child == 0) {
     std::signal(SIGXFSZ, SIG_IGN);
@@ -315,7 +315,7 @@ int write_with_limit(const std::string& path, const Raster<float>& cells, rlim_t
     setrlimit(RLIMIT_FSIZE, &most);
     int code = 0;
     try {
-      write_all(path, cells, utm(), {.threads = 1});
+      write_all(path, cells, utm(), {.type = type, .threads = 1});
     } catch (const Error& error) {
       code = error.kind() == ErrorKind::disk ? 5 : 1;
     } catch (...) {
@@ -333,24 +333,26 @@ int write_with_limit(const std::string& path, const Raster<float>& cells, rlim_t
 TEST(DemWriter, AFullDiskIsAnErrorAndLeavesNothing) {
   TestFolder folder, logs;
   const Raster<float> cells = rough(700, 700);
-  write_all(folder / "whole.tif", cells, utm());
-  const std::string whole = bytes_of(folder / "whole.tif");
-  std::filesystem::remove(folder / "whole.tif");
-  int failures = 0, successes = 0;
-  for (rlim_t limit = 0; limit < (rlim_t{6} << 20); limit = limit < 4096 ? limit + 1024 : limit + 400001) {
-    const int code = write_with_limit(folder / "out.tif", cells, limit, logs / "log");
-    if (code == 0) {
-      ++successes;
-      EXPECT_EQ(bytes_of(folder / "out.tif"), whole) << limit;
-      std::filesystem::remove(folder / "out.tif");
-    } else {
-      ++failures;
-      EXPECT_EQ(code, 5) << limit << ": " << bytes_of(logs / "log");
+  for (const ValueType type : {ValueType::float32, ValueType::int32}) {
+    write_all(folder / "whole.tif", cells, utm(), {.type = type});
+    const std::string whole = bytes_of(folder / "whole.tif");
+    std::filesystem::remove(folder / "whole.tif");
+    int failures = 0, successes = 0;
+    for (rlim_t limit = 0; limit < (rlim_t{6} << 20); limit = limit < 4096 ? limit + 1024 : limit + 400001) {
+      const int code = write_with_limit(folder / "out.tif", cells, limit, type, logs / "log");
+      if (code == 0) {
+        ++successes;
+        EXPECT_EQ(bytes_of(folder / "out.tif"), whole) << limit;
+        std::filesystem::remove(folder / "out.tif");
+      } else {
+        ++failures;
+        EXPECT_EQ(code, 5) << limit << ": " << bytes_of(logs / "log");
+      }
+      EXPECT_TRUE(folder.names().empty()) << limit;
     }
-    EXPECT_TRUE(folder.names().empty()) << limit;
+    EXPECT_GT(failures, 8);
+    EXPECT_GT(successes, 3);
   }
-  EXPECT_GT(failures, 8);
-  EXPECT_GT(successes, 3);
 }
 
 }  // namespace
