@@ -1,15 +1,15 @@
 #include "core/codec/bit_model.h"
 
 // The logistic function by integers, so that its tables are the same on every machine: 1 / (1 + e^-t) at multiples of 1/256
-// from e^(1/256) by repeated multiplication in 64-bit fixed point.
+// from e^(1/256) by repeated multiplication in 64-bit fixed point, rounded down each time.
 
 namespace arete::detail {
 namespace {
 
 constexpr std::uint64_t one = std::uint64_t{1} << 32;
 
-// floor(2^32 e^(1/256)); Taylor's series gives 1.00391388933834757... and 2^32 times that is 4311777242.9.
-constexpr std::uint64_t growth = 4311777242;
+// floor(2^32 (e^(1/256) - 1)); Taylor's series gives 0.00391388933834757... and 2^32 times that is 16809946.7.
+constexpr std::uint64_t growth = 16809946;
 
 constexpr std::array<std::uint16_t, 2 * stretch_limit + 1> make_squash() {
   std::array<std::uint16_t, 2 * stretch_limit + 1> table{};
@@ -21,8 +21,8 @@ constexpr std::array<std::uint16_t, 2 * stretch_limit + 1> make_squash() {
     const std::uint64_t held = p > 65520 ? 65520 : p;
     table[stretch_limit + k] = static_cast<std::uint16_t>(held);
     table[stretch_limit - k] = static_cast<std::uint16_t>(65536 - held);
-    // power * growth / 2^32 without leaving 64 bits
-    power = (power >> 16) * (growth >> 16) + (((power >> 16) * (growth & 0xffff)) >> 16) + (((power & 0xffff) * growth) >> 32);
+    // power (1 + growth / 2^32) without leaving 64 bits
+    power += (power >> 32) * growth + (((power & 0xffffffff) * growth) >> 32);
   }
   return table;
 }

@@ -13,7 +13,7 @@
 namespace arete {
 
 // The entropy coder of quantised wavelet coefficients: three detail bands of a node, band by band, row by row. Each decision
-// (zero or not, sign, larger than 1, than 2, ...) is predicted in four contexts made of the magnitudes around it, and the
+// (zero or not, sign, larger than 1, than 2, ...) is predicted in two contexts made of the magnitudes around it, and the
 // predictions are mixed. Contexts look at what the decoder has already: the same band above and to the left, the bands of
 // the node coded before, the same band of the parent node. Laid out to the bit in core/codec/tree-format.md.
 

@@ -1,5 +1,6 @@
 #include "core/codec/tree_file.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cerrno>
@@ -28,7 +29,10 @@ constexpr std::uint8_t version = 1;
 constexpr std::size_t trailer_bytes = 12;
 
 constexpr std::uint64_t greatest_side = 0x7fffffff;
-constexpr std::size_t greatest_metadata = std::size_t{1} << 26;
+
+// Of texts, so that a few bytes of them that unpack to many cannot take more memory than any file should.
+constexpr std::size_t greatest_texts = std::size_t{1} << 22;
+constexpr std::size_t greatest_items = std::size_t{1} << 16;
 
 // Bits of the first byte of the header's flags.
 constexpr std::uint8_t has_transform = 1, is_rotated = 2, has_nodata = 4, is_point = 8, has_voids = 16, is_scaled = 32, has_unit = 64, has_texts = 128;
@@ -72,6 +76,10 @@ bool any_text(const TreeHeader& header) { return !header.geo.crs_wkt.empty() || 
 // Short texts are shorter as they are.
 void put_texts(const TreeHeader& header, ByteWriter& out) {
   const std::string texts = texts_of(header);
+  if (texts.size() > greatest_texts || header.metadata.size() > greatest_items)
+    throw Error(ErrorKind::input, "cannot write the tree: its metadata have " + std::to_string(header.metadata.size()) + " items and, with the CRS, " +
+                                      std::to_string(texts.size()) + " bytes; at most " + std::to_string(greatest_items) + " items and " +
+                                      std::to_string(greatest_texts) + " bytes fit: leave some out");
   const std::vector<std::byte> packed = deflate_bytes(std::as_bytes(std::span(texts)));
   const bool pack = packed.size() < texts.size();
   out.put_u8(pack);
@@ -140,22 +148,26 @@ void get_texts(ByteReader& in, const std::string& name, TreeHeader& header) {
   const bool packed = in.get_varint(1, "the kind of its texts") == 1;
   std::string texts;
   if (packed) {
-    const std::vector<std::byte> bytes = inflate_bytes(in.get_blob(), greatest_metadata, name);
+    const std::vector<std::byte> bytes = inflate_bytes(in.get_blob(), greatest_texts, name);
     texts.assign(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   } else {
     texts = in.get_text();
   }
-  std::vector<std::string> list;
-  for (std::size_t at = 0; at < texts.size();) {
-    const std::size_t end = texts.find('\0', at);
-    if (end == std::string::npos) in.fail("a text has no end");
-    list.push_back(texts.substr(at, end - at));
-    at = end + 1;
+  const auto count = static_cast<std::size_t>(std::count(texts.begin(), texts.end(), '\0'));
+  if (texts.size() > greatest_texts || count > 2 * greatest_items + 2) in.fail("its texts are too many");
+  if (count < 2 || count % 2 != 0 || texts.back() != '\0') in.fail("its texts are not paired");
+  std::size_t at = 0;
+  const auto next = [&] {
+    const std::size_t begin = at;
+    at = texts.find('\0', at) + 1;
+    return texts.substr(begin, at - 1 - begin);
+  };
+  header.geo.crs_wkt = next();
+  header.band_name = next();
+  while (at < texts.size()) {
+    std::string key = next();
+    if (!header.metadata.emplace(std::move(key), next()).second) in.fail("an item of its metadata comes twice");
   }
-  if (list.size() < 2 || list.size() % 2 != 0) in.fail("its texts are not paired");
-  header.geo.crs_wkt = list[0];
-  header.band_name = list[1];
-  for (std::size_t i = 2; i < list.size(); i += 2) header.metadata[list[i]] = list[i + 1];
 }
 
 TreeHeader get_header(ByteReader& in, const std::string& name) {
@@ -176,7 +188,10 @@ TreeHeader get_header(ByteReader& in, const std::string& name) {
   if (flags & has_texts) get_texts(in, name, header);
   const auto claim = in.get_varint(5, "its claim");
   header.claim = static_cast<TreeClaim>(claim);
-  if (header.claim > TreeClaim::lossless) header.claimed = in.get<double>();
+  if (header.claim > TreeClaim::lossless) {
+    header.claimed = in.get<double>();
+    if (!(header.claimed > 0) || !std::isfinite(header.claimed)) in.fail("what it claims is not a positive number");
+  }
   const std::span<const std::byte> parameters = in.get_blob(), root = in.get_blob();
   header.parameters.assign(parameters.begin(), parameters.end());
   header.root.assign(root.begin(), root.end());

@@ -4,6 +4,9 @@
 
 #include <cmath>
 
+#include "core/codec/byte_stream.h"
+#include "core/support/checksum.h"
+#include "core/support/deflate.h"
 #include "core/support/error.h"
 #include "core/support/random.h"
 
@@ -117,6 +120,48 @@ TEST(TreeFile, CountsBeyondTheFileAreRefused) {
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::damaged);
     EXPECT_NE(std::string(error.what()).find("index is shorter"), std::string::npos) << error.what();
+  }
+}
+
+// A file of one cell, right but for its texts.
+std::vector<std::byte> with_packed_texts(const std::string& texts) {
+  ByteWriter directory;
+  for (std::uint8_t byte : {1, 2, 1, 1, 5, 128, 1}) directory.put_u8(byte);
+  directory.put_blob(deflate_bytes(std::as_bytes(std::span(texts))));
+  for (std::uint8_t byte : {0, 0, 0}) directory.put_u8(byte);
+  const auto length = static_cast<std::uint32_t>(directory.bytes().size());
+  const std::uint32_t checksum = crc32_of(directory.bytes());
+  ByteWriter file;
+  for (std::uint8_t byte : {0x89, 0x53, 0x43, 0x54}) file.put_u8(byte);
+  file.put_bytes(directory.bytes());
+  file.put(length);
+  file.put(checksum);
+  for (std::uint8_t byte : {1, 0x53, 0x43, 0x54}) file.put_u8(byte);
+  return file.take();
+}
+
+TEST(TreeFile, TextsThatUnpackToTooMuchAreRefused) {
+  using namespace std::string_literals;
+  EXPECT_NO_THROW(read_all_of(with_packed_texts("EPSG:2056\0band\0A\0first\0B\0second\0"s)));
+  for (const std::string& texts : {""s, "EPSG:2056\0"s, "EPSG:2056\0band\0A\0"s, "EPSG:2056\0band"s, "\0\0A\0first\0A\0second\0"s,
+                                   std::string(1 << 23, 'a') + "\0\0"s, std::string(1 << 18, '\0')})
+    EXPECT_THROW(read_all_of(with_packed_texts(texts)), Error) << texts.size();
+}
+
+TEST(TreeFile, TextsBeyondTheLimitsAreNotWritten) {
+  TreeHeader header = sample_header();
+  header.metadata["LONG"] = std::string(1 << 22, 'a');
+  EXPECT_THROW(write(header), Error);
+  header.metadata.clear();
+  for (int i = 0; i <= 1 << 16; ++i) header.metadata[std::to_string(i)] = "";
+  EXPECT_THROW(write(header), Error);
+}
+
+TEST(TreeFile, AClaimIsAPositiveNumber) {
+  TreeHeader header = sample_header();
+  for (double claimed : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    header.claimed = claimed;
+    EXPECT_THROW(read_all_of(write(header)), Error) << claimed;
   }
 }
 
