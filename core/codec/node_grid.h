@@ -1,7 +1,10 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <vector>
 
 #include "core/terrain/raster.h"
 
@@ -64,5 +67,8 @@ class NodeGrid {
   int side_ = least_side;
   int levels_ = 0;
 };
+
+/// The stream of a node by its index. Called from several threads.
+using StreamReader = std::function<std::vector<std::byte>(std::int64_t index)>;
 
 }  // namespace arete

@@ -54,9 +54,6 @@ NodeCoefficients blank_coefficients(const NodeGrid& grid, const NodeAddress& nod
 /// Where a node's contexts find its parent.
 ParentView view_parent(const NodeGrid& grid, const NodeAddress& node, const NodeCoefficients* parent);
 
-/// The stream of a node by index. Called from several threads.
-using StreamReader = std::function<std::vector<std::byte>(std::int64_t index)>;
-
 /// A window of a level, 0 to grid.levels(); metres. Touches only the nodes that the window depends on. The same values for
 /// any window and any number of threads. Safe for untrusted streams; values may then be anything, infinite and NaN included.
 Raster<float> decode_wavelet(const WaveletParameters& parameters, std::span<const std::byte> root, const StreamReader& streams, int level,
