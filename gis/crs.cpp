@@ -58,6 +58,38 @@ std::string crs_wkt(const std::string& definition) {
   return result;
 }
 
+std::string shorten_crs(const std::string& wkt) {
+  const CrsSummary summary = summarise_crs(wkt);
+  const std::string name =
+      summary.vertical_authority.empty() ? summary.authority : summary.authority + "+" + summary.vertical_authority.substr(summary.vertical_authority.find(':') + 1);
+  return name.rfind("EPSG:", 0) == 0 && expand_crs(name) == wkt ? name : wkt;
+}
+
+std::string expand_crs(const std::string& text) {
+  if (text.rfind("EPSG:", 0) != 0) return text;
+  try {
+    return crs_wkt(text);
+  } catch (const Error&) {
+    return text;
+  }
+}
+
+std::vector<std::array<double, 2>> from_longitude_latitude(std::vector<std::array<double, 2>> places, const std::string& wkt, const std::string& name) {
+  const GdalErrors errors;
+  OGRSpatialReference from, to;
+  if (wkt.empty() || to.importFromWkt(wkt.c_str()) != OGRERR_NONE)
+    throw Error(ErrorKind::input, "'" + name + "' has no CRS that is known: longitudes and latitudes cannot be placed on it");
+  if (to.IsCompound()) to.StripVertical();
+  from.SetWellKnownGeogCS("WGS84");
+  from.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  to.SetAxisMappingStrategy(OAMS_TRADITIONAL_GIS_ORDER);
+  const std::unique_ptr<OGRCoordinateTransformation> change(OGRCreateCoordinateTransformation(&from, &to));
+  if (!change) throw Error(ErrorKind::input, "the CRS of '" + name + "' cannot be related to WGS 84" + errors.suffix());
+  for (std::array<double, 2>& place : places)
+    if (!change->Transform(1, &place[0], &place[1])) place = {std::nan(""), std::nan("")};
+  return places;
+}
+
 std::optional<GeographicExtent> geographic_extent(const GeoReference& geo, Size size) {
   const GdalErrors quiet;
   OGRSpatialReference from, to;

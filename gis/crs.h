@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/terrain/georeference.h"
 
@@ -22,6 +24,15 @@ CrsSummary summarise_crs(const std::string& wkt);
 
 /// WKT2 of what a user calls a CRS: "EPSG:32632", WKT, a PROJ string. Throws Error{usage} where no such CRS is known.
 std::string crs_wkt(const std::string& definition);
+
+/// The shortest text from which expand_crs makes the same WKT, letter for letter: "EPSG:32632", or the WKT itself.
+std::string shorten_crs(const std::string& wkt);
+/// The inverse. What names no known CRS comes back as it is.
+std::string expand_crs(const std::string& text);
+
+/// Places given as longitude and latitude in degrees on WGS 84, in the coordinates of a CRS (east, north). Throws Error{input} where
+/// the CRS is unknown or cannot be related to WGS 84, `name` being the raster; a place without image is NaN.
+std::vector<std::array<double, 2>> from_longitude_latitude(std::vector<std::array<double, 2>> places, const std::string& wkt, const std::string& name);
 
 /// Longitudes and latitudes in degrees on WGS 84. West is larger than east where the antimeridian lies between.
 struct GeographicExtent {

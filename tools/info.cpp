@@ -1,5 +1,6 @@
 #include "tools/info.h"
 
+#include "core/codec/tree_file.h"
 #include "core/sparse/dictionary_file.h"
 #include "tools/dem_options.h"
 #include "tools/verbs.h"
@@ -19,6 +20,7 @@ bool any_file(const std::string&) { return true; }
 /// The first that recognises the file describes it. GDAL is asked last: its own message then says why it cannot be read.
 constexpr FileKind file_kinds[] = {
     {is_dictionary_file, describe_dictionary, true},
+    {is_tree_file, describe_tree, false},
     {any_file, describe_dem, false},
 };
 
@@ -39,10 +41,10 @@ void run_info(const InfoOptions& options, const CommonOptions& common) {
 void add_info(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App* verb =
-      add_verb(app, "info", "Say what a file is: a DEM with its cells, CRS and elevations, or a dictionary with its atoms",
+      add_verb(app, "info", "Say what a file is: a DEM with its cells, CRS and elevations, a dictionary with its atoms, or a tree (.sct)",
                "arete info dem.tif\narete info --json dem.tif\narete info alps.atoms --sheet atoms.png", common,
                [=] { run_info(*options, *common); });
-  verb->add_option("FILE", options->file, "The file to describe: any DEM that GDAL opens, or a dictionary (.atoms)")->required();
+  verb->add_option("FILE", options->file, "The file to describe: any DEM that GDAL opens, a dictionary (.atoms) or a tree (.sct)")->required();
   verb->add_option("--sheet", options->sheet, "Draw the atoms of a dictionary as a contact sheet (.png)");
   add_dem_options(verb, options->dem);
 }

@@ -29,4 +29,7 @@ FileReport describe_dem(const InfoOptions& options, const CommonOptions& common)
 /// A dictionary of atoms (.atoms). Draws them where the options say.
 FileReport describe_dictionary(const InfoOptions& options, const CommonOptions& common);
 
+/// A tree of elevations (.sct): its directory, no node.
+FileReport describe_tree(const InfoOptions& options, const CommonOptions& common);
+
 }  // namespace arete::tools

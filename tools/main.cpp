@@ -77,6 +77,10 @@ int main(int argc, char** argv) {
   arete::tools::add_demo(app, common);
   arete::tools::add_compare(app, common);
   arete::tools::add_preview(app, common);
+  arete::tools::add_compress(app, common);
+  arete::tools::add_decompress(app, common);
+  arete::tools::add_sample(app, common);
+  arete::tools::add_verify(app, common);
   arete::tools::add_bench(app, common);
   arete::tools::add_info(app, common);
   arete::tools::add_completion(app);

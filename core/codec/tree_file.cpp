@@ -15,6 +15,7 @@
 #include "core/support/checksum.h"
 #include "core/support/deflate.h"
 #include "core/support/error.h"
+#include "core/support/file.h"
 
 namespace arete {
 namespace {
@@ -261,6 +262,15 @@ class MemoryBytes final : public ByteSource {
 };
 
 }  // namespace
+
+bool is_tree_file(const std::string& path) {
+  try {
+    const std::vector<std::byte> start = read_file_start(path, magic.size());
+    return start.size() == magic.size() && std::memcmp(start.data(), magic.data(), magic.size()) == 0;
+  } catch (const Error&) {
+    return false;
+  }
+}
 
 std::shared_ptr<const ByteSource> open_bytes(const std::string& path) { return std::make_shared<FileBytes>(path); }
 

@@ -54,6 +54,9 @@ struct TreeHeader {
   std::vector<std::byte> root;          ///< the coder's stream of the coarsest level
 };
 
+/// Whether a file that can be read begins as a tree's does.
+bool is_tree_file(const std::string& path);
+
 /// Where the stream of a node lies.
 struct NodeEntry {
   std::uint64_t position = 0;

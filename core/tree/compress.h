@@ -3,19 +3,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "core/codec/patch_coder.h"
 #include "core/codec/tree_file.h"
 #include "core/support/progress.h"
-#include "core/terrain/raster.h"
+#include "core/tree/measure.h"
 
 namespace arete {
-
-/// Stored numbers of a DEM by window: NaN where void.
-class StoredSource {
- public:
-  virtual ~StoredSource() = default;
-  virtual Size size() const = 0;
-  virtual void read_stored(const Window& window, RasterView<double> out) const = 0;
-};
 
 /// What a tree is to reach. Errors are of elevations, in metres.
 struct CompressionTarget {
@@ -24,25 +17,25 @@ struct CompressionTarget {
   double value = 60;
 };
 
+/// How a tree is filled.
+enum class TreeProfile {
+  best,   ///< the smallest file: wavelet or predictive, as the target asks
+  paper,  ///< the published model, learned on the raster itself; `target` is not used
+};
+
 struct CompressOptions {
+  TreeProfile profile = TreeProfile::best;
+  PatchCodingOptions patches;  ///< of the paper's profile; its threads and node side are set from those below
   CompressionTarget target;
   int node_side = 0;  ///< 0: 512 where the tree is below a quarter of a bit a cell, else 256
   int passes = 2;     ///< of the quantiser: 1 takes half the time and loses 0.03 to 0.05 dB
   int threads = 0;
 };
 
-/// What was reached, measured on the decoded tree over the cells that are not void.
 struct CompressionReport {
-  std::uint64_t bytes = 0;
-  std::int64_t cells = 0;
-  std::int64_t valid_cells = 0;
-  double lowest_m = 0;   ///< of the original's valid cells
-  double highest_m = 0;
-  double rmse_m = 0;
-  double max_error_m = 0;
-  /// 20 log10((highest - lowest) / RMSE); infinite without error.
-  double psnr_db() const;
-  double bits_per_sample() const { return 8 * static_cast<double>(bytes) / static_cast<double>(cells); }
+  TreeErrors errors;  ///< measured on the decoded tree
+  TreeCoder coder = TreeCoder::wavelet;
+  std::optional<ValueRatio> value_ratio;  ///< of the paper's profile
 };
 
 /// Encodes a raster as a tree, the bytes of the file going to `sink`. `header` says everything that the source knows of itself

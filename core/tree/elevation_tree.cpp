@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/codec/byte_stream.h"
+#include "core/codec/patch_coder.h"
 #include "core/codec/void_mask_coder.h"
 #include "core/support/error.h"
 #include "core/support/parallel.h"
@@ -44,17 +46,38 @@ Window whole_blocks(const NodeGrid& grid, int level, const Window& window) {
 
 ElevationTree::ElevationTree(TreeFile file, int threads) : file_(std::move(file)), threads_(threads) {
   const TreeHeader& about = header();
-  if (about.coder != TreeCoder::wavelet)
-    throw Error(ErrorKind::format, "'" + file_.name() + "' holds a coder that this program does not know");
-  wavelet_ = decode_wavelet_parameters(about.parameters, about.grid, file_.name());
+  switch (about.coder) {
+    case TreeCoder::wavelet:
+      wavelet_ = decode_wavelet_parameters(about.parameters, about.grid, file_.name());
+      break;
+    case TreeCoder::predictive: {
+      ByteReader in(about.parameters, file_.name());
+      map_ = get_value_map(in, about.type);
+      predictive_ = decode_parameters(std::span(about.parameters).last(in.left()), about.grid.levels(), file_.name());
+      break;
+    }
+    case TreeCoder::patches:
+      patches_ = parse_patch_parameters(about.parameters, file_.name(), about.grid, [this](const std::string& digest) -> Eigen::MatrixXf {
+        throw Error(ErrorKind::input, "'" + file_.name() + "' needs the dictionary " + digest + ", which is not here");
+      });
+      break;
+  }
 }
 
 ElevationTree ElevationTree::open(const std::string& path, int threads) { return ElevationTree(TreeFile(open_bytes(path), path), threads); }
 
 Raster<double> ElevationTree::decode(int level, const Window& window) const {
   const auto streams = [this](std::int64_t index) { return cells_of(file_, index); };
-  const Raster<float> cells = decode_wavelet(wavelet_, root_parts(file_).cells, streams, level, window, threads_);
   Raster<double> stored(window.width, window.height);
+  if (header().coder == TreeCoder::predictive) {
+    const VoidReader voids = header().voids ? VoidReader([this](int l, const Window& w) { return decode_mask(l, w); }) : VoidReader();
+    const Raster<std::int32_t> numbers = decode_predictive(header().grid, predictive_, root_parts(file_).cells, streams, voids, level, window, threads_);
+    for (std::int64_t i = 0; i < numbers.size().cells(); ++i) stored.data()[i] = map_.value_of(numbers.data()[i]);
+    return stored;
+  }
+  const Raster<float> cells = header().coder == TreeCoder::patches
+                                  ? decode_patches(patches_, root_parts(file_).cells, streams, level, window, threads_)
+                                  : decode_wavelet(wavelet_, root_parts(file_).cells, streams, level, window, threads_);
   for (std::int64_t i = 0; i < cells.size().cells(); ++i) stored.data()[i] = static_cast<double>(cells.data()[i]);
   return stored;
 }

@@ -4,7 +4,10 @@
 #include <memory>
 #include <string>
 
+#include "core/codec/patch_parameters.h"
+#include "core/codec/predictive_coder.h"
 #include "core/codec/tree_file.h"
+#include "core/codec/value_map.h"
 #include "core/codec/wavelet_coder.h"
 #include "core/terrain/raster_io.h"
 
@@ -42,6 +45,9 @@ class ElevationTree final : public RasterSource {
   TreeFile file_;
   int threads_;
   WaveletParameters wavelet_;
+  PredictParameters predictive_;
+  PatchParameters patches_;
+  ValueMap map_;
 };
 
 }  // namespace arete

@@ -23,12 +23,12 @@ class MemoryStored final : public StoredSource {
 /// A raster as a tree in memory.
 struct MadeTree {
   std::vector<std::byte> file;
-  CompressionReport report;
+  TreeErrors report;
 };
 
 inline MadeTree make_tree(const StoredSource& source, const TreeHeader& header, const CompressOptions& options) {
   MadeTree made;
-  made.report = compress(source, header, options, [&](std::span<const std::byte> bytes) { made.file.insert(made.file.end(), bytes.begin(), bytes.end()); });
+  made.report = compress(source, header, options, [&](std::span<const std::byte> bytes) { made.file.insert(made.file.end(), bytes.begin(), bytes.end()); }).errors;
   return made;
 }
 

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/tree/fit_wavelet.h"
+
+namespace arete {
+
+/// A tree of the paper's profile: a dictionary learned on the raster, or given, and s coefficients a disc.
+/// Throws as encode_patches.
+FittedTree fit_patches(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress);
+
+}  // namespace arete

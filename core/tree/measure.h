@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/tree/elevation_tree.h"
+
+namespace arete {
+
+/// Stored numbers of a DEM by window: NaN where void.
+class StoredSource {
+ public:
+  virtual ~StoredSource() = default;
+  virtual Size size() const = 0;
+  virtual void read_stored(const Window& window, RasterView<double> out) const = 0;
+};
+
+/// A tree against its original, over the cells that are not void.
+struct TreeErrors {
+  std::uint64_t bytes = 0;        ///< of the tree
+  std::int64_t cells = 0;
+  std::int64_t valid_cells = 0;   ///< of the original
+  std::int64_t void_differs = 0;  ///< cells that are void in one of the two only
+  std::int64_t differs = 0;       ///< valid cells whose stored numbers are not the same bits
+  double lowest_m = 0;            ///< of the original's valid cells
+  double highest_m = 0;
+  double rmse_m = 0;
+  double max_error_m = 0;
+  /// 20 log10((highest - lowest) / RMSE); infinite without error.
+  double psnr_db() const;
+  double bits_per_sample() const { return 8 * static_cast<double>(bytes) / static_cast<double>(cells); }
+};
+
+/// Decodes the tree strip by strip, in the type of its header, and compares it with `original`, which has its size. Sums are of
+/// doubles in a fixed order. Memory: `strip_rows` rows of both.
+TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t strip_rows = 1024);
+
+/// Whether the tree is what its header says. Errors within a relative 1e-9 of a claimed RMSE or PSNR count as kept.
+bool keeps_claim(const TreeHeader& header, const TreeErrors& errors);
+
+}  // namespace arete

@@ -1,0 +1,63 @@
+#include "core/tree/measure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/core/tree/tree_sources.h"
+
+namespace arete {
+namespace {
+
+// A flat tree against an original that is off by hand.
+TEST(Measure, CountsWhatIsOff) {
+  Raster<double> flat(20, 10, 100), original(20, 10, 100);
+  original(3, 2) = 103;
+  original(4, 2) = 96;
+  original(5, 5) = std::nan("");
+  TreeHeader header;
+  header.type = ValueType::int16;
+  header.geo.metres_per_unit = 2;
+  CompressOptions options;
+  options.target = {TreeClaim::rmse, 0.5};
+  const MadeTree made = make_tree(MemoryStored(std::move(flat)), header, options);
+  const TreeErrors errors = measure_tree(open_tree(made), MemoryStored(std::move(original)), 3);
+  EXPECT_EQ(errors.valid_cells, 199);
+  EXPECT_EQ(errors.void_differs, 1);
+  EXPECT_EQ(errors.differs, 2);
+  EXPECT_DOUBLE_EQ(errors.max_error_m, 8);
+  EXPECT_DOUBLE_EQ(errors.rmse_m, 2 * std::sqrt(25.0 / 199));
+  EXPECT_DOUBLE_EQ(errors.highest_m - errors.lowest_m, 14);
+  EXPECT_DOUBLE_EQ(errors.psnr_db(), 20 * std::log10(14 / errors.rmse_m));
+}
+
+TEST(Measure, ClaimsAreKeptOrNot) {
+  TreeErrors errors;
+  errors.bytes = 100;
+  errors.cells = errors.valid_cells = 10;
+  errors.highest_m = 10;
+  errors.rmse_m = 1;
+  errors.max_error_m = 3;
+  errors.differs = 2;
+  const auto keeps = [&](TreeClaim claim, double value) {
+    TreeHeader header;
+    header.claim = claim;
+    header.claimed = value;
+    return keeps_claim(header, errors);
+  };
+  EXPECT_TRUE(keeps(TreeClaim::psnr, 20));
+  EXPECT_FALSE(keeps(TreeClaim::psnr, 20.1));
+  EXPECT_TRUE(keeps(TreeClaim::rmse, 1));
+  EXPECT_FALSE(keeps(TreeClaim::rmse, 0.99));
+  EXPECT_TRUE(keeps(TreeClaim::max_error, 3));
+  EXPECT_FALSE(keeps(TreeClaim::max_error, 2.999));
+  EXPECT_TRUE(keeps(TreeClaim::bytes, 100));
+  EXPECT_FALSE(keeps(TreeClaim::bytes, 99));
+  EXPECT_FALSE(keeps(TreeClaim::lossless, 0));
+  EXPECT_TRUE(keeps(TreeClaim::none, 0));
+  errors.void_differs = 1;
+  EXPECT_FALSE(keeps(TreeClaim::psnr, 20));
+}
+
+}  // namespace
+}  // namespace arete

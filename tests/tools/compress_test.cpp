@@ -1,0 +1,118 @@
+#include <nlohmann/json.hpp>
+
+#include "tests/tools/verb_fixture.h"
+
+namespace arete {
+namespace {
+
+class CompressVerb : public VerbFixture {};
+
+TEST_F(CompressVerb, ReachesItsTargetAndVerifies) {
+  const std::string dem = write_mountains("dem.tif", {200, 150});
+  for (const std::string target : {"--psnr 50", "--rmse 2", "--bpp 1.5"}) {
+    const Outcome made = run("compress " + dem + " " + path("dem.sct") + " --overwrite --json " + target);
+    ASSERT_EQ(made.code, 0) << made.err;
+    const auto said = nlohmann::json::parse(made.out);
+    EXPECT_EQ(said["bytes"], std::filesystem::file_size(path("dem.sct")));
+    EXPECT_EQ(said["valid_cells"], 200 * 150 - 1);
+    const Outcome checked = run("verify " + path("dem.sct") + " --dem " + dem + " --json");
+    ASSERT_EQ(checked.code, 0) << checked.err;
+    const auto found = nlohmann::json::parse(checked.out);
+    EXPECT_EQ(found["claim_kept"], true);
+    EXPECT_EQ(found["rmse_m"], said["rmse_m"]) << target;
+  }
+}
+
+TEST_F(CompressVerb, ComesBackAsTheSameDem) {
+  const std::string dem = write_mountains("dem.tif", {120, 90});
+  ASSERT_EQ(run("compress " + dem + " " + path("dem.sct") + " --rmse 0.5").code, 0);
+  const Outcome back = run("decompress " + path("dem.sct") + " " + path("back.tif"));
+  ASSERT_EQ(back.code, 0) << back.err;
+  const DemReader original(dem), decoded(path("back.tif"));
+  EXPECT_EQ(decoded.size(), original.size());
+  EXPECT_EQ(decoded.georeference().transform, original.georeference().transform);
+  EXPECT_EQ(decoded.georeference().crs_wkt, original.georeference().crs_wkt);
+  EXPECT_EQ(decoded.data_type(), original.data_type());
+  const Raster<float> a = read_all(original), b = read_all(decoded);
+  double squares = 0;
+  for (std::int64_t i = 0; i < a.size().cells(); ++i) {
+    ASSERT_EQ(is_void(a.data()[i]), is_void(b.data()[i])) << i;
+    if (!is_void(a.data()[i])) squares += std::pow(a.data()[i] - b.data()[i], 2);
+  }
+  EXPECT_LE(std::sqrt(squares / (120 * 90 - 1)), 0.5);
+}
+
+TEST_F(CompressVerb, WindowsAndLevels) {
+  const std::string dem = write_mountains("dem.tif", {200, 150});
+  ASSERT_EQ(run("compress " + dem + " " + path("dem.sct") + " --rmse 1").code, 0);
+  ASSERT_EQ(run("decompress " + path("dem.sct") + " " + path("all.tif")).code, 0);
+  ASSERT_EQ(run("decompress " + path("dem.sct") + " " + path("part.tif") + " --window 30 20 50 40").code, 0);
+  ASSERT_EQ(run("decompress " + path("dem.sct") + " " + path("coarse.tif") + " --level 2").code, 0);
+  const DemReader all(path("all.tif")), part(path("part.tif")), coarse(path("coarse.tif"));
+  Raster<float> wanted(50, 40), found(50, 40);
+  all.read({30, 20, 50, 40}, wanted.view());
+  part.read({0, 0, 50, 40}, found.view());
+  for (std::int64_t i = 0; i < 2000; ++i) ASSERT_TRUE(wanted.data()[i] == found.data()[i] || (is_void(wanted.data()[i]) && is_void(found.data()[i])));
+  EXPECT_EQ((*part.georeference().transform)[0], 500000 + 30 * 30);
+  EXPECT_EQ(coarse.size(), (Size{50, 38}));
+  EXPECT_EQ((*coarse.georeference().transform)[1], 120);
+}
+
+TEST_F(CompressVerb, InfoSaysWhatItIs) {
+  const std::string dem = write_mountains("dem.tif", {100, 80});
+  ASSERT_EQ(run("compress " + dem + " " + path("dem.sct") + " --psnr 55").code, 0);
+  const Outcome info = run("info --json " + path("dem.sct"));
+  ASSERT_EQ(info.code, 0) << info.err;
+  const auto said = nlohmann::json::parse(info.out);
+  EXPECT_EQ(said["kind"], "tree");
+  EXPECT_EQ(said["width"], 100);
+  EXPECT_EQ(said["claim"], "psnr");
+  EXPECT_EQ(said["claimed"], 55);
+  EXPECT_EQ(said["voids"], true);
+  EXPECT_NE(run("info " + path("dem.sct")).out.find("UTM zone 33N"), std::string::npos);
+}
+
+// Each refusal: its exit code, one line, nothing new in the folder.
+TEST_F(CompressVerb, RefusesInOneLine) {
+  const std::string dem = write_mountains("dem.tif", {60, 60});
+  ASSERT_EQ(run("compress " + dem + " " + path("good.sct") + " --psnr 50").code, 0);
+  std::string bytes = read(path("good.sct"));
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  write(path("bad.sct"), bytes);
+  write(path("text.sct"), "ncols 3");
+  const std::size_t before = entries();
+  const std::vector<std::pair<std::string, int>> cases = {
+      {"compress " + path("missing.tif") + " " + path("x.sct") + " --psnr 50", 3},
+      {"compress " + dem + " " + path("good.sct") + " --psnr 50", 5},
+      {"compress " + dem + " " + path("none/x.sct") + " --psnr 50", 5},
+      {"compress " + dem + " " + path("x.sct") + " --psnr 50 --rmse 3", 2},
+      {"compress " + dem + " " + path("x.sct") + " --rmse -1", 2},
+      {"compress " + dem + " " + path("x.sct") + " --bytes 20", 2},
+      {"decompress " + path("bad.sct") + " " + path("x.tif"), 8},
+      {"decompress " + path("text.sct") + " " + path("x.tif"), 4},
+      {"decompress " + path("good.sct") + " " + path("x.tif") + " --level 30", 2},
+      {"decompress " + path("good.sct") + " " + path("x.tif") + " --window 0 0 61 5", 2},
+      {"verify " + path("bad.sct"), 8},
+      {"verify " + dem, 4},
+  };
+  for (const auto& [arguments, code] : cases) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.code, code) << arguments << "\n" << outcome.err;
+    EXPECT_EQ(outcome.error_lines(), 1) << arguments << "\n" << outcome.err;
+    EXPECT_EQ(outcome.out, "") << arguments;
+    EXPECT_EQ(entries(), before) << arguments;
+  }
+}
+
+TEST_F(CompressVerb, VerifyNoticesAnotherDem) {
+  const std::string dem = write_mountains("dem.tif", {60, 60});
+  const std::string other = write_mountains("other.tif", {60, 60}, 2);
+  ASSERT_EQ(run("compress " + dem + " " + path("dem.sct") + " --rmse 1").code, 0);
+  const Outcome outcome = run("verify " + path("dem.sct") + " --dem " + other);
+  EXPECT_EQ(outcome.code, 8);
+  EXPECT_EQ(outcome.error_lines(), 1);
+  EXPECT_NE(outcome.err.find("breaks its claim"), std::string::npos) << outcome.err;
+}
+
+}  // namespace
+}  // namespace arete

@@ -1,0 +1,100 @@
+#include "core/tree/compress.h"
+
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/support/file.h"
+#include "gis/crs.h"
+#include "gis/dem_file.h"
+#include "tools/command.h"
+#include "tools/dem_options.h"
+#include "tools/stored_dem.h"
+#include "tools/tree_report.h"
+#include "tools/verbs.h"
+
+namespace arete::tools {
+namespace {
+
+struct CompressArguments {
+  std::string input, output;
+  DemReadOptions dem;
+  double psnr = 0, rmse = 0, bytes = 0, bits_per_sample = 0, max_error = 0;
+  bool lossless = false, fast = false;
+  std::string profile = "best", learning = "ksvd";
+  PatchCodingOptions patches;
+};
+
+CompressionTarget target_of(const CompressArguments& arguments, const Size& size) {
+  if (arguments.psnr > 0) return {TreeClaim::psnr, arguments.psnr};
+  if (arguments.rmse > 0) return {TreeClaim::rmse, arguments.rmse};
+  if (arguments.bytes > 0) return {TreeClaim::bytes, arguments.bytes};
+  if (arguments.bits_per_sample > 0)
+    return {TreeClaim::bytes, std::floor(arguments.bits_per_sample * static_cast<double>(size.cells()) / 8)};
+  if (arguments.max_error > 0) return {TreeClaim::max_error, arguments.max_error};
+  return {TreeClaim::lossless, 0};
+}
+
+TreeHeader header_of(const DemReader& dem) {
+  const DemDescription& about = dem.description();
+  TreeHeader header;
+  header.type = dem.value_type();
+  header.scale = about.scale;
+  header.offset = about.offset;
+  header.geo = dem.georeference();
+  header.geo.crs_wkt = shorten_crs(header.geo.crs_wkt);
+  header.band_name = about.band_names.empty() ? "" : about.band_names.front();
+  header.metadata = about.metadata;
+  return header;
+}
+
+void run_compress(const CompressArguments& arguments, const CommonOptions& common) {
+  check_output_file(arguments.output, common.overwrite);
+  const DemReader dem(arguments.input, arguments.dem);
+  CompressOptions options;
+  options.target = target_of(arguments, dem.size());
+  options.passes = arguments.fast ? 1 : 2;
+  options.profile = arguments.profile == "paper" ? TreeProfile::paper : TreeProfile::best;
+  options.patches = arguments.patches;
+  options.patches.learning = arguments.learning == "ksvd" ? PatchLearning::ksvd : PatchLearning::constrained;
+  options.patches.seed = common.seed;
+  options.threads = common.threads;
+  AtomicFile file(arguments.output, common.overwrite);
+  const auto progress = make_progress(common);
+  const CompressionReport report =
+      compress(StoredDem(dem), header_of(dem), options, [&](std::span<const std::byte> bytes) { file.write(bytes); }, progress.get());
+  file.commit();
+  const FileReport said = describe_compression(arguments.input, arguments.output, dem.value_type(), report);
+  print_result(common, said.text, said.data);
+}
+
+}  // namespace
+
+void add_compress(CLI::App& app, std::shared_ptr<CommonOptions> common) {
+  const auto arguments = std::make_shared<CompressArguments>();
+  CLI::App* verb = add_verb(app, "compress", "Store a DEM as a compact tree (.sct): lossless, or within an error, a PSNR or a size",
+                            "arete compress dem.tif dem.sct --max-error 1\narete compress dem.tif dem.sct --psnr 60", common,
+                            [arguments, common] { run_compress(*arguments, *common); });
+  verb->add_option("INPUT", arguments->input, "The DEM: anything that GDAL opens")->required();
+  verb->add_option("OUTPUT", arguments->output, "The tree (.sct)")->required();
+  CLI::Option_group* target = verb->add_option_group("target", "What the tree must reach; one of them (default: --lossless)");
+  target->add_flag("--lossless", arguments->lossless, "Every stored number comes back");
+  target->add_option("--max-error", arguments->max_error, "No cell is further off than this, in metres")->check(CLI::PositiveNumber);
+  target->add_option("--rmse", arguments->rmse, "Root mean square error of at most this, in metres")->check(CLI::PositiveNumber);
+  target->add_option("--psnr", arguments->psnr, "At least this many dB, the peak being highest minus lowest elevation")->check(CLI::Range(1.0, 200.0));
+  target->add_option("--bytes", arguments->bytes, "A file of at most this many bytes")->check(CLI::PositiveNumber);
+  target->add_option("--bpp", arguments->bits_per_sample, "The same in bits per cell")->check(CLI::PositiveNumber);
+  target->require_option(0, 1);
+  verb->add_flag("--fast", arguments->fast, "Encode in half the time, for a file larger by 1 %");
+  CLI::Option* profile = verb->add_option("--profile", arguments->profile, "best, or paper: the published model, which needs more bytes for less")
+                             ->check(CLI::IsMember({"best", "paper"}));
+  verb->add_option("--atoms", arguments->patches.atoms, "Of the paper's profile: atoms of the dictionary")->check(CLI::Range(1, 65535))->needs(profile);
+  verb->add_option("--sparsity", arguments->patches.sparsity, "The most coefficients of a disc")->check(CLI::Range(1, 64))->needs(profile);
+  verb->add_option("--radius", arguments->patches.radius, "Radius of a disc in cells")->check(CLI::Range(2, 32))->needs(profile);
+  verb->add_option("--learning", arguments->learning, "How the dictionary is learned")->check(CLI::IsMember({"ksvd", "constrained"}))->needs(profile);
+  add_dem_options(verb, arguments->dem);
+}
+
+}  // namespace arete::tools
