@@ -63,7 +63,7 @@ int run(CLI::App& app, int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Make real elevation data finer, compare it and draw it.", "arete");
+  CLI::App app("Make real elevation data finer, store it small, compare it and draw it.", "arete");
   app.formatter(std::make_shared<arete::tools::HelpFormatter>());
   app.set_version_flag("--version", "arete " ARETE_VERSION, "Print the version");
   app.set_help_flag("-h,--help", "Print this help");
