@@ -52,6 +52,7 @@ std::string get_digest(ByteReader& in) {
 }
 
 PatchAtoms find_atoms(const std::string& digest, int side, std::int64_t count, const DictionaryFinder& find) {
+  if (!find) throw Error(ErrorKind::input, "the tree needs the dictionary " + digest + ": say where it is");
   const Eigen::MatrixXf low = find(digest);
   if (low.rows() != std::int64_t{side} * side || low.cols() != count)
     throw Error(ErrorKind::input, "dictionary " + digest + ": expected " + std::to_string(count) + " atoms of " + std::to_string(side) + " x " +

@@ -50,7 +50,7 @@ PatchAtoms round_atoms(const Eigen::MatrixXf& low);
 bool inside_disc(int side, int x, int y);
 std::int64_t disc_samples(int side);
 
-/// Gives the atoms (`Dictionary::low`) of a dictionary by its digest, or throws.
+/// Gives the atoms (`Dictionary::low`) of a dictionary by its digest, or throws. May be empty: then named dictionaries are refused.
 using DictionaryFinder = std::function<Eigen::MatrixXf(const std::string& digest)>;
 
 std::vector<std::byte> serialise_patch_parameters(const PatchParameters& parameters);

@@ -71,11 +71,13 @@ TEST(PatchParameters, ADictionaryIsNamedByItsDigest) {
   });
   EXPECT_EQ(asked, p.dictionary);
   EXPECT_EQ(q.atoms.samples, p.atoms.samples);
-  try {
-    parse_patch_parameters(bytes, "example", p.grid, [](const std::string&) { return unit_atoms(5, 19); });
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.kind(), ErrorKind::input);
+  for (const DictionaryFinder& find : {DictionaryFinder{}, DictionaryFinder{[](const std::string&) { return unit_atoms(5, 19); }}}) {
+    try {
+      parse_patch_parameters(bytes, "example", p.grid, find);
+      FAIL();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.kind(), ErrorKind::input);
+    }
   }
 }
 
