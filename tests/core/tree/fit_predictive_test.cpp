@@ -1,0 +1,71 @@
+#include "core/tree/fit_predictive.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/support/error.h"
+#include "core/support/random.h"
+#include "tests/core/codec/codec_terrain.h"
+#include "tests/core/tree/tree_sources.h"
+
+namespace arete {
+namespace {
+
+MemoryStored rounded(double quantum, bool hole) {
+  const Raster<float> terrain = codec_terrain(150, 110);
+  Raster<double> cells(150, 110);
+  for (std::int64_t y = 0; y < 110; ++y)
+    for (std::int64_t x = 0; x < 150; ++x)
+      cells(x, y) = hole && x > 60 && y > 70 ? std::nan("") : static_cast<float>(std::round(terrain(x, y) / quantum) * quantum);
+  return MemoryStored(std::move(cells));
+}
+
+TreeHeader header_of(ValueType type) {
+  TreeHeader header;
+  header.type = type;
+  return header;
+}
+
+FittedTree fit(const MemoryStored& source, ValueType type, const CompressionTarget& target) {
+  TreeHeader header = header_of(type);
+  header.claim = target.kind;
+  header.claimed = target.value;
+  CompressOptions options;
+  options.target = target;
+  return fit_predictive(read_tree_cells(source, header), header, options, nullptr);
+}
+
+TEST(FitPredictive, LosslessIsEveryBit) {
+  for (const bool hole : {false, true})
+    for (const auto& [quantum, type] : {std::pair{1.0, ValueType::int16}, std::pair{0.01, ValueType::float32}, std::pair{1e-5, ValueType::float32}}) {
+      const FittedTree fitted = fit(rounded(quantum, hole), type, {TreeClaim::lossless, 0});
+      EXPECT_EQ(fitted.errors.differs, 0) << quantum;
+      EXPECT_EQ(fitted.errors.void_differs, 0);
+      EXPECT_EQ(fitted.coder, TreeCoder::predictive);
+    }
+}
+
+TEST(FitPredictive, NoCellBreaksTheBoundAndWiderBoundsAreSmaller) {
+  for (const auto& [quantum, type] : {std::pair{1.0, ValueType::int16}, std::pair{1e-5, ValueType::float32}}) {
+    std::size_t bytes = 1 << 30;
+    for (double bound : {1.0, 3.0, 12.0}) {
+      const FittedTree fitted = fit(rounded(quantum, true), type, {TreeClaim::max_error, bound});
+      EXPECT_LE(fitted.errors.max_error_m, bound);
+      EXPECT_GT(fitted.errors.max_error_m, 0.5 * bound);
+      EXPECT_LT(fitted.file.size(), bytes);
+      bytes = fitted.file.size();
+    }
+  }
+}
+
+TEST(FitPredictive, RefusesWhatHasNoForm) {
+  Raster<double> cells(4, 4, 0.1);
+  cells(1, 1) = M_PI;
+  const MemoryStored doubles(std::move(cells));
+  EXPECT_THROW(fit(doubles, ValueType::float64, {TreeClaim::lossless, 0}), Error);
+  EXPECT_THROW(fit(rounded(1e-5, false), ValueType::float32, {TreeClaim::max_error, 1e-6}), Error);
+}
+
+}  // namespace
+}  // namespace arete

@@ -1,0 +1,41 @@
+#include "core/tree/fit_wavelet.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/core/codec/codec_terrain.h"
+#include "tests/core/tree/tree_sources.h"
+
+namespace arete {
+namespace {
+
+FittedTree fit(const CompressionTarget& target, int side) {
+  const Raster<float> terrain = codec_terrain(200, 160);
+  Raster<double> stored(200, 160);
+  for (std::int64_t i = 0; i < terrain.size().cells(); ++i) stored.data()[i] = terrain.data()[i];
+  TreeHeader header;
+  CompressOptions options;
+  options.target = target;
+  options.node_side = side;
+  return fit_wavelet(read_tree_cells(MemoryStored(std::move(stored)), header), header, options, nullptr);
+}
+
+TEST(FitWavelet, ComesCloseToTheError) {
+  for (double rmse : {0.05, 0.5, 5.0}) {
+    const FittedTree fitted = fit({TreeClaim::rmse, rmse}, 64);
+    EXPECT_LE(fitted.errors.rmse_m, rmse);
+    EXPECT_GE(fitted.errors.rmse_m, 0.98 * rmse);
+  }
+}
+
+TEST(FitWavelet, FillsTheBytes) {
+  const FittedTree fitted = fit({TreeClaim::bytes, 5000}, 128);
+  EXPECT_LE(fitted.file.size(), 5000U);
+  EXPECT_GE(fitted.file.size(), 4900U);
+}
+
+TEST(FitWavelet, SaysWhereNothingFits) { EXPECT_TRUE(fit({TreeClaim::bytes, 30}, 64).file.empty()); }
+
+}  // namespace
+}  // namespace arete
