@@ -14,6 +14,9 @@
 
 namespace arete {
 
+/// Shrinks GDAL's block cache, which belongs to the process, to this; it is never grown.
+void limit_block_cache(std::int64_t bytes);
+
 struct DemReadOptions {
   int band = 1;              ///< counted from 1, as GDAL does
   bool terrain_rgb = false;  ///< three 8-bit bands of Mapbox terrain-RGB: -10000 + (R 65536 + G 256 + B) 0.1 m; `band` is ignored

@@ -386,4 +386,8 @@ void DemReader::read_stored(const Window& window, RasterView<double> out) const 
   impl.read(window, out, [&](double number) { return impl.checked(number); });
 }
 
+void limit_block_cache(std::int64_t bytes) {
+  GDALSetCacheMax64(std::min<GIntBig>(GDALGetCacheMax64(), std::max<GIntBig>(bytes, 1 << 20)));
+}
+
 }  // namespace arete

@@ -177,7 +177,7 @@ DemWriter::Impl::Impl(const std::string& to, Size cells, const GeoReference& whe
   driver = &choose_driver(path, options.format, options.type);
   code = void_code(geo, *driver, options.type);
   files = std::make_unique<StagedFiles>(path, options.overwrite);
-  GDALSetCacheMax64(std::min<GIntBig>(GDALGetCacheMax64(), std::max<GIntBig>(options.memory_bytes, 1 << 20)));
+  limit_block_cache(options.memory_bytes);
   create_work();
 }
 

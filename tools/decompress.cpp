@@ -38,12 +38,6 @@ GeoReference georeference_of(const TreeHeader& header, int level, const Window& 
   return crop(geo, window);
 }
 
-// Rows of a strip that fits into the memory: about 60 bytes a cell while a level is decoded.
-std::int64_t strip_rows(const Window& window, std::int64_t memory_bytes, int side) {
-  const std::int64_t rows = memory_bytes / 60 / window.width / side * side;
-  return std::clamp<std::int64_t>(rows, side, window.height);
-}
-
 void run_decompress(const DecompressArguments& arguments, const CommonOptions& common) {
   const ElevationTree tree = ElevationTree::open(arguments.input, common.threads);
   const TreeHeader& header = tree.header();
@@ -61,14 +55,12 @@ void run_decompress(const DecompressArguments& arguments, const CommonOptions& c
   writing.metadata = header.metadata;
   DemWriter writer(arguments.output, window.size(), georeference_of(header, arguments.level, window), writing);
   const auto progress = make_progress(common);
-  progress->begin("decoding", window.height);
-  const std::int64_t rows = strip_rows(window, common.memory_bytes / 2, header.grid.side());
-  for (std::int64_t y = 0; y < window.height; y += rows) {
-    const Window strip{0, y, window.width, std::min(rows, window.height - y)};
-    Raster<double> cells(strip.width, strip.height);
-    tree.read_stored(arguments.level, {window.x, window.y + y, strip.width, strip.height}, cells.view());
-    writer.write_stored(strip, cells.view());
-    progress->advance(strip.height);
+  progress->begin("decoding", window.size().cells());
+  for (const Window& part : split_window(window, common.memory_bytes / 2)) {
+    Raster<double> cells(part.width, part.height);
+    tree.read_stored(arguments.level, part, cells.view());
+    writer.write_stored({part.x - window.x, part.y - window.y, part.width, part.height}, cells.view());
+    progress->advance(part.size().cells());
   }
   progress->end();
   writer.commit(progress.get());

@@ -71,4 +71,10 @@ class NodeGrid {
 /// The stream of a node by its index. Called from several threads.
 using StreamReader = std::function<std::vector<std::byte>(std::int64_t index)>;
 
+/// Where an encoder puts the streams of nodes: each once, in the order of their indexes, and may read back what it has put.
+struct NodeStore {
+  std::function<void(std::vector<std::byte> stream)> add;  ///< called from one thread
+  StreamReader read;
+};
+
 }  // namespace arete

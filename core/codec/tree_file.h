@@ -87,6 +87,8 @@ class TreeWriter {
   void add_node(std::span<const std::byte> stream);
   /// Writes the directory; as many nodes as the grid has must have been added. Gives the size of the file.
   std::uint64_t finish(const TreeHeader& header);
+  /// Those added so far.
+  const std::vector<NodeEntry>& nodes() const { return nodes_; }
 
  private:
   Sink sink_;

@@ -38,24 +38,8 @@ float float_of(std::int64_t ordered) {
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
-struct Range {
-  double lowest = std::numeric_limits<double>::infinity();
-  double highest = -std::numeric_limits<double>::infinity();
-};
-
-Range range_of_values(StoredValues values) {
-  Range range;
-  for (double value : values) {
-    if (std::isnan(value)) continue;
-    range.lowest = std::min(range.lowest, value);
-    range.highest = std::max(range.highest, value);
-  }
-  if (range.lowest > range.highest) range = {0, 0};
-  return range;
-}
-
 // The steps of a quantum from the middle of the range on, or nullopt where they do not fit n.
-std::optional<ValueMap> steps_map(ValueType type, const Range& range, Quantum quantum) {
+std::optional<ValueMap> steps_map(ValueType type, const StoredRange& range, Quantum quantum) {
   const double low = range.lowest * quantum.denominator / quantum.numerator, high = range.highest * quantum.denominator / quantum.numerator;
   if (!(high - low < widest_range) || !(std::abs(low) < 0x1p52) || !(std::abs(high) < 0x1p52)) return std::nullopt;
   return ValueMap{ValueMap::Kind::steps, type, std::llround((low + high) / 2), quantum.numerator, quantum.denominator};
@@ -65,18 +49,8 @@ bool gives_back(const ValueMap& map, StoredValues values) {
   return std::all_of(values.begin(), values.end(), [&](double value) { return std::isnan(value) || same_bits(map.value_of(map.number_of(value)), value); });
 }
 
-std::optional<ValueMap> quantised_map(ValueType type, StoredValues values, const Range& range) {
-  for (const Quantum& quantum : quanta) {
-    const std::optional<ValueMap> map = steps_map(type, range, quantum);
-    if (!map) return std::nullopt;
-    if (gives_back(*map, values)) return map;
-    if (is_integer(type)) return std::nullopt;
-  }
-  return std::nullopt;
-}
-
 // The largest rounding of a decoded number to the type.
-double rounding_of(ValueType type, const Range& range) {
+double rounding_of(ValueType type, const StoredRange& range) {
   const double greatest = std::max(std::abs(range.lowest), std::abs(range.highest));
   return type == ValueType::float32 ? std::ldexp(greatest, -24) : std::ldexp(greatest, -52);
 }
@@ -118,18 +92,38 @@ ValueMap get_value_map(ByteReader& in, ValueType type) {
   return map;
 }
 
-std::optional<ValueMap> map_lossless(ValueType type, StoredValues values) {
-  const Range range = range_of_values(values);
-  if (const std::optional<ValueMap> map = quantised_map(type, values, range)) return map;
-  if (is_integer(type)) return std::nullopt;
-  const std::int64_t low = ordered_bits(static_cast<float>(range.lowest)), high = ordered_bits(static_cast<float>(range.highest));
-  const ValueMap bits{ValueMap::Kind::float_bits, type, (low + high) / 2};
-  if (!gives_back(bits, values)) return std::nullopt;
-  return bits;
+void StoredRange::add(StoredValues values) {
+  for (double value : values) {
+    if (std::isnan(value)) continue;
+    lowest = std::min(lowest, value);
+    highest = std::max(highest, value);
+  }
 }
 
-std::optional<BoundedMap> map_within(ValueType type, StoredValues values, double max_error) {
-  const Range range = range_of_values(values);
+ValueSurvey::ValueSurvey(ValueType type, const StoredRange& range) : type_(type), range_(range) {
+  if (range_.lowest > range_.highest) range_ = {0, 0};
+  for (const Quantum& quantum : quanta) {
+    if (const std::optional<ValueMap> map = steps_map(type, range_, quantum)) candidates_.push_back(*map);
+    if (is_integer(type)) return;
+  }
+  const std::int64_t low = ordered_bits(static_cast<float>(range_.lowest)), high = ordered_bits(static_cast<float>(range_.highest));
+  candidates_.push_back({ValueMap::Kind::float_bits, type, (low + high) / 2});
+}
+
+void ValueSurvey::add(StoredValues values) {
+  std::erase_if(candidates_, [&](const ValueMap& map) { return !gives_back(map, values); });
+}
+
+std::optional<ValueMap> ValueSurvey::lossless() const { return candidates_.empty() ? std::nullopt : std::optional(candidates_.front()); }
+
+std::optional<ValueMap> ValueSurvey::quantised() const {
+  const std::optional<ValueMap> best = lossless();
+  return best && best->kind == ValueMap::Kind::steps ? best : std::nullopt;
+}
+
+std::optional<BoundedMap> map_within(const ValueSurvey& survey, double max_error) {
+  const ValueType type = survey.type();
+  const StoredRange& range = survey.range();
   if (is_integer(type)) {
     const std::optional<ValueMap> map = steps_map(type, range, {1, 1});
     if (!map) return std::nullopt;
@@ -145,7 +139,7 @@ std::optional<BoundedMap> map_within(ValueType type, StoredValues values, double
   if (!map) return std::nullopt;
   free.map = *map;
   // Data with a quantum: as many whole ones as the bound holds may be a wider step than twice the bound.
-  if (const std::optional<ValueMap> whole = quantised_map(type, values, range)) {
+  if (const std::optional<ValueMap> whole = survey.quantised()) {
     const double quantum = whole->numerator / whole->denominator;
     const double within = std::floor((max_error - 2 * rounding_of(type, range)) / quantum * (1 + 1e-12));
     if ((2 * within + 1) * quantum >= 2 * usable && within < greatest_step / 2) return BoundedMap{*whole, static_cast<std::int32_t>(2 * within + 1)};

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "core/codec/byte_stream.h"
 #include "core/terrain/value_type.h"
@@ -29,13 +31,33 @@ void put_value_map(const ValueMap& map, ByteWriter& out);
 /// Safe for untrusted bytes: throws Error{damaged}.
 ValueMap get_value_map(ByteReader& in, ValueType type);
 
-/// The stored numbers of a raster; voids are NaN and are passed over.
+/// Stored numbers of a raster; voids are NaN and are passed over.
 using StoredValues = std::span<const double>;
 
-/// A map from which every number comes back bit for bit: whole multiples of a common quantum (1, 1/2, 1/4, 1/10, ... 1/10000, feet
-/// in metres), else the bits of 32-bit floats. Nullopt where there is none: doubles that no float holds, and no quantum fits.
-/// Integers below 2^31 in range always have one. -0.0 is a number of its own, which only float_bits gives back.
-std::optional<ValueMap> map_lossless(ValueType type, StoredValues values);
+struct StoredRange {
+  double lowest = std::numeric_limits<double>::infinity();
+  double highest = -std::numeric_limits<double>::infinity();
+  void add(StoredValues values);
+};
+
+/// Which maps give all numbers of a raster back bit for bit; told its range first, then, part by part in any order, all its numbers.
+class ValueSurvey {
+ public:
+  ValueSurvey(ValueType type, const StoredRange& range);
+  void add(StoredValues values);
+  /// Whole multiples of a common quantum (1, 1/2, 1/4, 1/10, ... 1/10000, feet in metres), the coarsest that fits. -0.0 is a
+  /// number of its own, which no quantum gives back. Integers below 2^31 in range always have one.
+  std::optional<ValueMap> quantised() const;
+  /// The same, else the bits of 32-bit floats. Nullopt where neither does: doubles that no float holds.
+  std::optional<ValueMap> lossless() const;
+  const StoredRange& range() const { return range_; }
+  ValueType type() const { return type_; }
+
+ private:
+  ValueType type_;
+  StoredRange range_;
+  std::vector<ValueMap> candidates_;  ///< that all numbers told so far agree with, the best first
+};
 
 /// A map and the step of the coder (an odd number of n) with which no number is further off than `max_error` after hold_to.
 struct BoundedMap {
@@ -43,6 +65,6 @@ struct BoundedMap {
   std::int32_t step = 1;
 };
 /// `max_error` > 0, in stored units. Nullopt where the type is too coarse for the bound, or the range too wide for 32 bits.
-std::optional<BoundedMap> map_within(ValueType type, StoredValues values, double max_error);
+std::optional<BoundedMap> map_within(const ValueSurvey& survey, double max_error);
 
 }  // namespace arete

@@ -1,13 +1,12 @@
 #include "core/codec/wavelet_coder.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 
 #include "core/codec/byte_stream.h"
-#include "core/codec/quantise.h"
 #include "core/codec/subband_models.h"
 #include "core/codec/wavelet.h"
+#include "core/codec/wavelet_root.h"
 #include "core/support/parallel.h"
 
 namespace arete {
@@ -17,139 +16,6 @@ constexpr int reach = wavelet_reach / 2;  // in coefficients
 constexpr std::int64_t tile = 256;        // coefficients along a side, of the blocks that are transformed at a time
 
 std::int64_t tiles_along(std::int64_t n) { return (n + tile - 1) / tile; }
-
-// --- analysis
-
-void analyse_tile(RasterView<const float> samples, const Window& at, RasterView<float> low, std::array<Raster<float>, band_count>& bands) {
-  Raster<float> padded(2 * (at.width + 2 * reach), 2 * (at.height + 2 * reach));
-  for (std::int64_t y = 0; y < padded.height(); ++y) {
-    const float* from = samples.row(mirrored_index(2 * (at.y - reach) + y, samples.height));
-    for (std::int64_t x = 0; x < padded.width(); ++x) padded(x, y) = from[mirrored_index(2 * (at.x - reach) + x, samples.width)];
-  }
-  std::array<Raster<float>, band_count> parts;
-  for (Raster<float>& part : parts) part = Raster<float>(at.width, at.height);
-  analyse(padded.view(), low.sub(at), {parts[0].view(), parts[1].view(), parts[2].view()});
-  for (std::size_t b = 0; b < band_count; ++b)
-    for (std::int64_t y = 0; y < std::min(at.height, bands[b].height() - at.y); ++y)
-      for (std::int64_t x = 0; x < std::min(at.width, bands[b].width() - at.x); ++x) bands[b](at.x + x, at.y + y) = parts[b](x, y);
-}
-
-// --- the root: quantised low-pass values, each as its difference to the one before
-
-std::vector<std::byte> encode_root(const Raster<float>& root, float step) {
-  RangeEncoder encoder;
-  BitModel exponent[40];
-  std::int64_t before = 0;
-  for (std::int64_t i = 0; i < root.size().cells(); ++i) {
-    const auto value = static_cast<std::int64_t>(std::llround(root.data()[i] / step));
-    const std::int64_t difference = value - before;
-    const std::uint64_t folded = difference < 0 ? 2 * static_cast<std::uint64_t>(-difference) - 1 : 2 * static_cast<std::uint64_t>(difference);
-    const int bits = std::bit_width(folded);
-    for (int b = 0; b < 39; ++b) {
-      encoder.encode(bits > b, std::clamp<Probability>(exponent[b].p(), 16, 65520));
-      exponent[b].update(bits > b, 60);
-      if (bits <= b) break;
-    }
-    for (int b = bits - 2; b >= 0; --b) encoder.encode(static_cast<int>((folded >> b) & 1), 1U << 15);
-    before = value;
-  }
-  return encoder.finish();
-}
-
-Raster<float> decode_root(std::span<const std::byte> bytes, const Size& size, float step) {
-  RangeDecoder decoder(bytes);
-  BitModel exponent[40];
-  Raster<float> root(size.width, size.height);
-  std::int64_t before = 0;
-  for (std::int64_t i = 0; i < size.cells(); ++i) {
-    int bits = 0;
-    while (bits < 39) {
-      const int more = decoder.decode(std::clamp<Probability>(exponent[bits].p(), 16, 65520));
-      exponent[bits].update(more, 60);
-      if (!more) break;
-      ++bits;
-    }
-    std::uint64_t folded = bits > 0 ? 1 : 0;
-    for (int b = bits - 2; b >= 0; --b) folded = 2 * folded + static_cast<std::uint64_t>(decoder.decode(1U << 15));
-    const auto half = static_cast<std::int64_t>((folded + 1) / 2);
-    before += folded % 2 ? -half : half;
-    root.data()[i] = static_cast<float>(before) * step;
-  }
-  return root;
-}
-
-float root_step(const WaveletParameters& parameters) {
-  return 2 * parameters.step / band_norm(std::max(1, parameters.grid.levels()), band_count);
-}
-
-// --- nodes
-
-// The coefficients of a band that a node holds.
-Window node_window(const NodeGrid& grid, const NodeAddress& node, const Size& band) {
-  const std::int64_t side = grid.side() / 2;
-  const std::int64_t x = node.x * side, y = node.y * side;
-  return {x, y, std::clamp<std::int64_t>(band.width - x, 0, side), std::clamp<std::int64_t>(band.height - y, 0, side)};
-}
-
-// Sums over the coefficients of a file by magnitude: how far they lie below their lattice points.
-struct ShrinkSums {
-  std::array<double, 3> excess{};
-  std::array<double, 3> count{};
-  double squares = 0;  // of the errors, in steps squared
-  void add(float value, std::int32_t point) {
-    const double error = std::abs(value) - static_cast<double>(std::abs(point));
-    squares += error * error;
-    if (point == 0) return;
-    const auto i = static_cast<std::size_t>(std::min(std::abs(point), 3) - 1);
-    excess[i] -= (value < 0) == (point < 0) ? error : -std::abs(value) - static_cast<double>(std::abs(point));
-    count[i] += 1;
-  }
-  void add(const ShrinkSums& other) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      excess[i] += other.excess[i];
-      count[i] += other.count[i];
-    }
-    squares += other.squares;
-  }
-};
-
-struct CodedNode {
-  NodeCoefficients coefficients;
-  std::vector<std::byte> bytes;
-  ShrinkSums sums;
-};
-
-bool all_off(const NodeCoefficients& node) {
-  for (const CoefficientBlock& block : node.bands)
-    for (int y = 0; y < block.squares_high(); ++y)
-      if (std::any_of(block.flags(y), block.flags(y) + block.squares_wide(), [](std::uint8_t f) { return f != 0; })) return false;
-  return true;
-}
-
-CodedNode code_node(const WaveletPyramid& pyramid, const NodeAddress& node, const ParentView& parent, float step, float lambda, int passes) {
-  std::array<Raster<float>, band_count> scaled;
-  std::array<RasterView<const float>, band_count> views;
-  for (int b = 0; b < band_count; ++b) {
-    const auto i = static_cast<std::size_t>(b);
-    const Raster<float>& band = pyramid.bands[static_cast<std::size_t>(node.level - 1)][i];
-    const Window at = node_window(pyramid.grid, node, band.size());
-    const float scale = band_norm(node.level, b) / step;
-    scaled[i] = Raster<float>(at.width, at.height);
-    for (std::int64_t y = 0; y < at.height; ++y)
-      for (std::int64_t x = 0; x < at.width; ++x) scaled[i](x, y) = band(at.x + x, at.y + y) * scale;
-    views[i] = scaled[i].view();
-  }
-  CodedNode coded{quantise_node(views, parent, lambda, passes), {}, {}};
-  for (std::size_t b = 0; b < band_count; ++b)
-    for (int y = 0; y < coded.coefficients.bands[b].height(); ++y)
-      for (int x = 0; x < coded.coefficients.bands[b].width(); ++x) coded.sums.add(scaled[b](x, y), coded.coefficients.bands[b].row(y)[x]);
-  if (all_off(coded.coefficients)) return coded;
-  SubbandModels models = initial_subband_models();
-  coded.bytes = encode_subbands(coded.coefficients, parent, models);
-  // An empty stream would mean a node without coefficients.
-  if (coded.bytes.empty()) coded.bytes.push_back(std::byte{0});
-  return coded;
-}
 
 // --- synthesis
 
@@ -228,13 +94,12 @@ Raster<float> synthesise_window(const Raster<float>& low, const LevelCoefficient
 }
 
 void dequantise(const WaveletParameters& parameters, const NodeAddress& node, const NodeCoefficients& coefficients, LevelCoefficients& to) {
-  const Size fine = parameters.grid.level_size(node.level - 1);
   for (int b = 0; b < band_count; ++b) {
     const auto i = static_cast<std::size_t>(b);
     const float scale = parameters.step / band_norm(node.level, b);
     std::array<float, 4> offsets{};
     for (std::size_t k = 1; k < 4; ++k) offsets[k] = static_cast<float>(parameters.shrink[k - 1]) / 256;
-    const Window at = node_window(parameters.grid, node, band_size(fine, b));
+    const Window at = node_band(parameters.grid, node, b);
     const std::int64_t x0 = std::max(at.x, to.window.x), x1 = std::min(at.x + at.width, to.window.x + to.window.width);
     const std::int64_t y0 = std::max(at.y, to.window.y), y1 = std::min(at.y + at.height, to.window.y + to.window.height);
     for (std::int64_t y = y0; y < y1; ++y) {
@@ -288,16 +153,17 @@ DecodedLevel decode_level(const WaveletParameters& parameters, const StreamReade
 
 }  // namespace
 
-std::int64_t WaveletStreams::bytes() const {
-  auto sum = static_cast<std::int64_t>(root.size());
-  for (const std::vector<std::byte>& node : nodes) sum += static_cast<std::int64_t>(node.size());
-  return sum;
+Window node_band(const NodeGrid& grid, const NodeAddress& node, int band) {
+  const Size size = band_size(grid.level_size(node.level - 1), band);
+  const std::int64_t side = grid.side() / 2;
+  const std::int64_t x = node.x * side, y = node.y * side;
+  return {x, y, std::clamp<std::int64_t>(size.width - x, 0, side), std::clamp<std::int64_t>(size.height - y, 0, side)};
 }
 
 NodeCoefficients blank_coefficients(const NodeGrid& grid, const NodeAddress& node) {
   NodeCoefficients blocks;
   for (int b = 0; b < band_count; ++b) {
-    const Window at = node_window(grid, node, band_size(grid.level_size(node.level - 1), b));
+    const Window at = node_band(grid, node, b);
     blocks.bands[static_cast<std::size_t>(b)] = CoefficientBlock(static_cast<int>(at.width), static_cast<int>(at.height));
   }
   return blocks;
@@ -324,76 +190,12 @@ WaveletParameters decode_wavelet_parameters(std::span<const std::byte> bytes, co
   return parameters;
 }
 
-WaveletPyramid analyse_raster(RasterView<const float> cells, const NodeGrid& grid, int threads) {
-  WaveletPyramid pyramid{grid, {}, {}};
-  Raster<float> samples;
-  RasterView<const float> fine = cells;
-  for (int level = 1; level <= grid.levels(); ++level) {
-    const Size size = grid.level_size(level);
-    Raster<float> low(size.width, size.height);
-    std::array<Raster<float>, band_count>& bands = pyramid.bands.emplace_back();
-    for (int b = 0; b < band_count; ++b) {
-      const Size band = band_size(fine.size(), b);
-      bands[static_cast<std::size_t>(b)] = Raster<float>(band.width, band.height);
-    }
-    const std::int64_t wide = tiles_along(size.width), high = tiles_along(size.height);
-    parallel_for(wide * high, threads, [&](std::int64_t i) {
-      const std::int64_t x = i % wide * tile, y = i / wide * tile;
-      analyse_tile(fine, {x, y, std::min(tile, size.width - x), std::min(tile, size.height - y)}, low.view(), bands);
-    });
-    samples = std::move(low);
-    fine = samples.view();
-  }
-  if (grid.levels() == 0) {
-    samples = Raster<float>(cells.width, cells.height);
-    for (std::int64_t y = 0; y < cells.height; ++y) std::copy_n(cells.row(y), cells.width, samples.view().row(y));
-  }
-  pyramid.root = std::move(samples);
-  return pyramid;
-}
-
-WaveletStreams encode_wavelet(const WaveletPyramid& pyramid, float step, float lambda, int passes, int threads) {
-  const NodeGrid& grid = pyramid.grid;
-  WaveletStreams streams;
-  streams.parameters = {grid, step, {}};
-  streams.root = encode_root(pyramid.root, root_step(streams.parameters));
-  streams.nodes.resize(static_cast<std::size_t>(grid.node_count()));
-  ShrinkSums total;
-  std::vector<CodedNode> parents;
-  for (int level = grid.levels(); level >= 1; --level) {
-    const Size nodes = grid.nodes(level);
-    const std::int64_t parents_wide = level < grid.levels() ? grid.nodes(level + 1).width : 0;
-    std::vector<CodedNode> coded(static_cast<std::size_t>(nodes.cells()));
-    parallel_for(nodes.cells(), threads, [&](std::int64_t i) {
-      const NodeAddress node{level, i % nodes.width, i / nodes.width};
-      const NodeCoefficients* parent =
-          level < grid.levels() ? &parents[static_cast<std::size_t>(node.y / 2 * parents_wide + node.x / 2)].coefficients : nullptr;
-      coded[static_cast<std::size_t>(i)] = code_node(pyramid, node, view_parent(grid, node, parent), step, lambda, passes);
-    });
-    for (std::int64_t i = 0; i < nodes.cells(); ++i) {
-      CodedNode& node = coded[static_cast<std::size_t>(i)];
-      total.add(node.sums);
-      streams.nodes[static_cast<std::size_t>(grid.index({level, i % nodes.width, i / nodes.width}))] = std::move(node.bytes);
-    }
-    parents = std::move(coded);
-  }
-  streams.squared_error = total.squares * step * step;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (total.count[i] == 0) continue;
-    const double shift = total.excess[i] / total.count[i];
-    streams.parameters.shrink[i] = static_cast<std::uint8_t>(std::clamp(std::lround(256 * shift), 0L, 255L));
-    const double used = streams.parameters.shrink[i] / 256.0;
-    streams.squared_error -= total.count[i] * (2 * used * shift - used * used) * step * step;
-  }
-  return streams;
-}
-
 Raster<float> decode_wavelet(const WaveletParameters& parameters, std::span<const std::byte> root, const StreamReader& streams, int level,
                              const Window& window, int threads) {
   const NodeGrid& grid = parameters.grid;
   std::vector<Window> windows{window};  // of samples, from the wanted level to the root
   for (int l = level + 1; l <= grid.levels(); ++l) windows.push_back(coefficient_window(windows.back(), grid.level_size(l)));
-  const Raster<float> whole_root = decode_root(root, grid.level_size(grid.levels()), root_step(parameters));
+  const Raster<float> whole_root = decode_wavelet_root(root, parameters);
   const Window& first = windows.back();
   Raster<float> samples(first.width, first.height);
   for (std::int64_t y = 0; y < first.height; ++y) std::copy_n(whole_root.view().row(first.y + y) + first.x, first.width, samples.view().row(y));

@@ -28,27 +28,8 @@ struct WaveletParameters {
 std::vector<std::byte> encode_wavelet_parameters(const WaveletParameters& parameters);
 WaveletParameters decode_wavelet_parameters(std::span<const std::byte> bytes, const NodeGrid& grid, const std::string& name);
 
-/// The bands of a whole raster, level by level.
-struct WaveletPyramid {
-  NodeGrid grid;
-  std::vector<std::array<Raster<float>, band_count>> bands;  ///< [level - 1]
-  Raster<float> root;                                        ///< low-pass of the coarsest level
-};
-
-/// Cells must not be void. Memory: about 8 bytes a cell.
-WaveletPyramid analyse_raster(RasterView<const float> cells, const NodeGrid& grid, int threads);
-
-struct WaveletStreams {
-  WaveletParameters parameters;
-  std::vector<std::byte> root;
-  std::vector<std::vector<std::byte>> nodes;  ///< by NodeGrid::index; empty where all coefficients are zero
-  double squared_error = 0;                   ///< estimated from the bands, m^2 summed over the cells
-  std::int64_t bytes() const;
-};
-
-/// Quantises and codes. `lambda`: bits against distortion in steps squared, 0.2 to be near the best; `passes`: see quantise_node.
-WaveletStreams encode_wavelet(const WaveletPyramid& pyramid, float step, float lambda, int passes, int threads);
-
+/// The coefficients of a band that a node holds.
+Window node_band(const NodeGrid& grid, const NodeAddress& node, int band);
 /// The coefficients of a node, all zero, with the sizes that the node has.
 NodeCoefficients blank_coefficients(const NodeGrid& grid, const NodeAddress& node);
 /// Where a node's contexts find its parent.

@@ -6,6 +6,7 @@
 #include "core/codec/patch_coder.h"
 #include "core/codec/tree_file.h"
 #include "core/support/progress.h"
+#include "core/support/scratch.h"
 #include "core/tree/measure.h"
 
 namespace arete {
@@ -30,6 +31,7 @@ struct CompressOptions {
   int node_side = 0;  ///< 0: 512 where the tree is below a quarter of a bit a cell, else 256
   int passes = 2;     ///< of the quantiser: 1 takes half the time and loses 0.03 to 0.05 dB
   int threads = 0;
+  Scratch scratch;    ///< for all that the encoder keeps; the result does not depend on it
 };
 
 struct CompressionReport {
@@ -39,8 +41,9 @@ struct CompressionReport {
 };
 
 /// Encodes a raster as a tree, the bytes of the file going to `sink`. `header` says everything that the source knows of itself
-/// (type, scale, offset, georeference, texts); the rest of it is filled in. The whole raster is held in memory, about 24 bytes
-/// a cell. Errors are measured as elevations of the stored type, as read_stored gives them back.
+/// (type, scale, offset, georeference, texts); the rest of it is filled in. The raster is read by window, several times where it does
+/// not fit into the memory; up to 2 bytes a cell without voids, 8 with, and the file go to the scratch folder then (the paper's profile needs memory). Errors
+/// are measured as elevations of the stored type, as read_stored gives them back.
 /// Throws Error{input} where all cells are void, Error{usage} where the target cannot be reached (a size below that of an
 /// empty tree, a quality beyond what single precision holds), Error{interrupted} where `progress` says so.
 CompressionReport compress(const StoredSource& source, TreeHeader header, const CompressOptions& options, const TreeWriter::Sink& sink,

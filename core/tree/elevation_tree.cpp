@@ -128,4 +128,16 @@ void ElevationTree::verify_checksums() const {
   parallel_for(static_cast<std::int64_t>(file_.nodes().size()), threads_, [this](std::int64_t i) { file_.read_node(i); });
 }
 
+std::vector<Window> split_window(const Window& window, std::int64_t memory_bytes) {
+  constexpr std::int64_t block = NodeGrid::greatest_side, bytes_per_cell = 64;
+  const std::int64_t blocks = std::max<std::int64_t>(1, memory_bytes / bytes_per_cell / (block * block));
+  const std::int64_t across = (window.width + block - 1) / block;
+  const std::int64_t wide = std::min(across, blocks) * block, high = std::max<std::int64_t>(1, blocks / across) * block;
+  std::vector<Window> parts;
+  for (std::int64_t y = 0; y < window.height; y += high)
+    for (std::int64_t x = 0; x < window.width; x += wide)
+      parts.push_back({window.x + x, window.y + y, std::min(wide, window.width - x), std::min(high, window.height - y)});
+  return parts;
+}
+
 }  // namespace arete

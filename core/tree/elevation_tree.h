@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "core/codec/patch_parameters.h"
 #include "core/codec/predictive_coder.h"
@@ -49,5 +50,9 @@ class ElevationTree final : public RasterSource {
   PatchParameters patches_;
   ValueMap map_;
 };
+
+/// Parts of a window, row by row, each of which decodes within the memory (but for 64 MB, which the smallest part may need): as wide
+/// as the window where that fits, their corners multiples of 1024 cells from the window's.
+std::vector<Window> split_window(const Window& window, std::int64_t memory_bytes);
 
 }  // namespace arete

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "core/tree/fit_wavelet.h"
+#include "core/tree/compress.h"
+#include "core/tree/tree_draft.h"
 
 namespace arete {
 

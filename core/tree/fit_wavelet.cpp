@@ -2,132 +2,226 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
 
-#include "core/codec/wavelet_coder.h"
+#include "core/codec/wavelet_encoder.h"
 
 namespace arete {
 namespace {
 
-constexpr float lambda = 0.2F;               // bits against squared error in steps: within 0.01 dB of the best from 0.12 to 0.3
 constexpr int fine_side = 256;
 constexpr int wide_side = 512;
 constexpr double sparse_bits_per_cell = 0.25;
-constexpr int most_trials = 12;
-constexpr double close_enough = 0.997;       // of an error that is aimed at: 0.03 dB
-constexpr double filled_enough = 0.99;       // of a size that is aimed at
+constexpr int most_trials = 14;
+constexpr int patience = 8;  // trials, where the tree is so small that its error jumps
+constexpr double close_enough = 0.997;   // of an error that is aimed at: 0.03 dB
+constexpr double aim = 0.9985;           // between that and the error itself
+constexpr double filled_enough = 0.99;   // of a size that is aimed at
+constexpr double size_aim = 0.9955;
+constexpr double usual_ratio = 1.04;     // of the error in the file to that of the bands, which are not quite orthogonal
+constexpr double near_enough = 0.03;     // a first estimate that is further off needs no measuring,
+constexpr double plausible = 0.15;       // nor do later ones beyond this, which are wrong by less
+
+// A step that was tried.
+struct Trial {
+  double step = 0;
+  std::shared_ptr<const ByteSource> file;
+  double estimated = 0;  // RMSE in stored units, from the bands
+  TreeErrors found;      // where it was measured
+};
+
+// The RMSE of whole numbers that are decoded with normal errors and then rounded.
+double rounded_error(double rmse) {
+  if (rmse > 5) return std::sqrt(rmse * rmse + 1.0 / 12);
+  if (!(rmse > 0)) return 0;
+  const auto beyond = [&](double error) { return std::erfc(error / (rmse * std::sqrt(2.0))); };
+  double sum = 0;
+  for (int k = 1; k < 40; ++k) sum += k * k * (beyond(k - 0.5) - beyond(k + 0.5));
+  return std::sqrt(sum);
+}
 
 class Search {
  public:
   Search(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress)
-      : cells_(cells), header_(header), options_(options), progress_(progress), filled_(fill_cells(cells)) {}
+      : cells_(cells), header_(header), options_(options), progress_(progress ? *progress : silent_), filled_(cells, options.scratch, options.threads) {}
 
   void prepare(int side) {
     header_.coder = TreeCoder::wavelet;
-    header_.grid = NodeGrid(cells_.stored.size(), side);
-    pyramid_ = analyse_raster(filled_.view(), header_.grid, options_.threads);
-    masks_ = encode_masks(cells_, header_.grid, options_.threads);
+    header_.grid = NodeGrid(cells_.size(), side);
+    if (!pyramid_) pyramid_ = analyse_raster(filled_, header_.grid, options_.scratch, options_.threads);
+    pyramid_->grid = header_.grid;  // levels do not depend on the side of nodes
+    masks_ = encode_masks(cells_, header_.grid, options_.scratch, options_.threads);
   }
 
-  std::vector<std::byte> encode(double step) {
-    if (progress_) progress_->advance(1);
-    const WaveletStreams streams = encode_wavelet(pyramid_, static_cast<float>(step), lambda, options_.passes, options_.threads);
-    header_.parameters = encode_wavelet_parameters(streams.parameters);
-    return write_tree(header_, masks_, streams.root, streams.nodes);
+  Trial encode(double step) {
+    progress_.begin(trials_++ == 0 ? "encoding" : "encoding, try " + std::to_string(trials_), header_.grid.node_count());
+    TreeDraft draft(masks_, options_.scratch);
+    WaveletEncoding how;
+    how.step = static_cast<float>(step);
+    how.passes = options_.passes;
+    how.threads = options_.threads;
+    how.progress = [this](std::int64_t nodes) { progress_.advance(nodes); };
+    const WaveletSummary summary = encode_wavelet(*pyramid_, how, draft.nodes());
+    progress_.end();
+    header_.parameters = encode_wavelet_parameters(summary.parameters);
+    return {step, draft.finish(header_, summary.root), error_of(summary.squared_error), {}};
+  }
+
+  // RMSE in stored units.
+  double measure(Trial& trial) {
+    trial.found = measure_file(cells_, trial.file, options_.scratch, options_.threads);
+    return trial.found.rmse_m / cells_.metres_per_stored;
+  }
+
+  // What the details let expect of a step: RMSE in stored units.
+  double expected_error(double step) const { return usual_ratio * error_of(pyramid_->details.squared_error(step)); }
+  double expected_bytes(double step) const { return pyramid_->details.bits(step) / 8; }
+  // Of masks and index.
+  double fixed_bytes() const {
+    std::size_t sum = masks_.root.size() + 6 * static_cast<std::size_t>(header_.grid.node_count());
+    for (const std::vector<std::byte>& mask : masks_.nodes) sum += mask.size();
+    return static_cast<double>(sum);
   }
 
  private:
+  double error_of(double squared_error) const {
+    const double rmse = std::sqrt(std::max(0.0, squared_error) / static_cast<double>(cells_.size().cells()));
+    return is_integer(header_.type) ? rounded_error(rmse) : rmse;
+  }
+
+  NoProgress silent_;
   const TreeCells& cells_;
   TreeHeader header_;
   const CompressOptions& options_;
-  Progress* progress_;
-  Raster<float> filled_;
-  WaveletPyramid pyramid_;
+  Progress& progress_;
+  int trials_ = 0;
+  FilledCells filled_;
+  std::optional<WaveletPyramid> pyramid_;
   MaskStreams masks_;
 };
 
-// The point at which a monotone curve through two points (in logarithms) reaches a value.
-double follow(double x0, double y0, double x1, double y1, double y) {
-  const double slope = (std::log(y1) - std::log(y0)) / (std::log(x1) - std::log(x0));
-  const double steps = std::isfinite(slope) && std::abs(slope) > 0.05 ? (std::log(y) - std::log(y1)) / slope : 0;
-  return x1 * std::exp(std::clamp(steps, -3.0, 3.0));
+// The step at which a model, that grows with it (or falls), comes to a value.
+double solve(const std::function<double(double)>& model, bool grows, double value) {
+  double low = 1e-9, high = 1e9;
+  for (int i = 0; i < 80; ++i) {
+    const double middle = std::sqrt(low * high);
+    ((model(middle) < value) == grows ? low : high) = middle;
+  }
+  return std::sqrt(low * high);
 }
 
-// The widest step whose error, measured on the file, does not exceed `target_m`; the error grows with the step.
-FittedTree search_error(Search& search, const TreeCells& cells, const CompressOptions& options, double target_m) {
-  const double target = target_m / cells.metres_per_stored;
-  double step = 1.6 * target, step_before = 0, error_before = 0;
-  double widest_good = 0, narrowest_bad = std::numeric_limits<double>::infinity();
-  FittedTree best;
-  for (int trial = 0; trial < most_trials; ++trial) {
-    FittedTree found{search.encode(step), {}, TreeCoder::wavelet, {}};
-    found.errors = measure_file(cells, found.file, options.threads);
-    const double error = found.errors.rmse_m / cells.metres_per_stored;
-    if (error <= target) {
-      widest_good = std::max(widest_good, step);
-      best = std::move(found);
-      if (error >= close_enough * target || error == 0) return best;
-    } else {
-      narrowest_bad = std::min(narrowest_bad, step);
-    }
-    double next = trial == 0 || error == 0 ? step * 0.9985 * target / std::max(error, 1e-300) : follow(step_before, error_before, step, error, 0.9985 * target);
-    step_before = step;
-    error_before = error;
-    // Beside the bracket: halve it.
-    if (!(next > widest_good && next < narrowest_bad)) next = std::isfinite(narrowest_bad) ? std::sqrt(std::max(widest_good, narrowest_bad / 64) * narrowest_bad) : step * 4;
-    if (widest_good > 0 && narrowest_bad / widest_good < 1.002) break;
-    step = next;
+// How what is searched for changes with the step, in logarithms: as it did from the trial before, or as a model says; held to what is
+// plausible.
+class Slope {
+ public:
+  Slope(std::function<double(double)> model, double least, double most) : model_(std::move(model)), least_(least), most_(most) {}
+  double at(double step, double value) {
+    const bool known = step_ > 0 && std::abs(std::log(step / step_)) > 0.003 && value > 0 && value_ > 0;
+    const double slope = known ? std::log(value / value_) / std::log(step / step_) : std::log(model_(step * 1.2) / model_(step / 1.2)) / std::log(1.44);
+    step_ = step;
+    value_ = value;
+    return std::isfinite(slope) ? std::clamp(slope, least_, most_) : (least_ + most_) / 2;
   }
-  return best;
+
+ private:
+  std::function<double(double)> model_;
+  double least_, most_;
+  double step_ = 0, value_ = 0;
+};
+
+// The steps last found to be good and to be bad, and the next one to try between them.
+struct Bracket {
+  double good = 0, bad = 0;  // 0: none yet
+  double next(double wanted) const {
+    if (good > 0 && bad > 0) {
+      const auto [low, high] = std::minmax(good, bad);
+      return wanted > low && wanted < high ? wanted : std::sqrt(low * high);
+    }
+    return wanted;
+  }
+  bool closed(double nearly) const { return good > 0 && bad > 0 && std::max(good, bad) / std::min(good, bad) < nearly; }
+};
+
+FittedTree fitted_of(Trial trial) { return {std::move(trial.file), trial.found, TreeCoder::wavelet, {}}; }
+
+// The widest step whose error, measured on the file, does not exceed `target` (stored units).
+FittedTree search_error(Search& search, double target, Trial trial) {
+  Bracket steps;
+  Trial best;
+  Slope slope([&](double step) { return search.expected_error(step); }, 0.2, 1.5);
+  double ratio = usual_ratio;  // of measured to estimated errors
+  for (int i = 0; i < most_trials; ++i) {
+    const double step = trial.step, estimated = trial.estimated;
+    double error = estimated * ratio;
+    const double off = std::abs(error / target - aim);
+    const bool measured = off < (i == 0 ? near_enough : plausible) || error == 0;
+    if (measured) {
+      error = search.measure(trial);
+      if (estimated > 0) ratio = error / estimated;
+    }
+    if (measured || off > plausible) (error <= target ? steps.good : steps.bad) = step;
+    if (measured && error <= target && (!best.file || step > best.step)) {
+      best = std::move(trial);
+      if (error >= close_enough * target || error == 0) break;
+    }
+    // Steps that are nearly the same, or a file so small that its error does not follow the step.
+    if (best.file && (steps.closed(1.002) || i >= patience)) break;
+    const double factor = error > 0 ? std::pow(aim * target / error, 1 / slope.at(step, estimated)) : 2;
+    trial = search.encode(steps.next(step * std::clamp(factor, 0.02, 50.0)));
+  }
+  return best.file ? fitted_of(std::move(best)) : FittedTree{};
 }
 
 // The narrowest step whose file is not larger than `target`.
-FittedTree search_bytes(Search& search, const TreeCells& cells, const CompressOptions& options, double target) {
-  double step = std::max(1e-6, (cells.highest - cells.lowest) * 0.004), step_before = 0, bytes_before = 0;
-  double narrowest_good = std::numeric_limits<double>::infinity(), widest_bad = 0;
-  std::vector<std::byte> best;
-  for (int trial = 0; trial < most_trials; ++trial) {
-    std::vector<std::byte> file = search.encode(step);
-    const auto bytes = static_cast<double>(file.size());
+FittedTree search_bytes(Search& search, double target, Trial trial) {
+  Bracket steps;
+  Trial best;
+  Slope slope([&](double step) { return search.expected_bytes(step); }, -2, -0.2);
+  const double fixed = search.fixed_bytes();
+  if (fixed > target) return {};
+  for (int i = 0; i < most_trials; ++i) {
+    const double bytes = static_cast<double>(trial.file->size()), step = trial.step;
     if (bytes <= target) {
-      if (step < narrowest_good) {
-        narrowest_good = step;
-        best = std::move(file);
-      }
+      steps.good = step;
+      if (!best.file || step < best.step) best = std::move(trial);
       if (bytes >= filled_enough * target) break;
     } else {
-      widest_bad = std::max(widest_bad, step);
+      steps.bad = step;
     }
-    double next = trial == 0 ? step * std::pow(bytes / target, 1.3) : follow(step_before, bytes_before, step, bytes, 0.996 * target);
-    step_before = step;
-    bytes_before = bytes;
-    if (!(next > widest_bad && next < narrowest_good)) next = std::isfinite(narrowest_good) ? std::sqrt(narrowest_good * std::max(widest_bad, narrowest_good / 64)) : step * 4;
-    if (widest_bad > 0 && narrowest_good / widest_bad < 1.001) break;
-    step = next;
+    if (steps.closed(1.001)) break;
+    const double left = std::max(1.0, size_aim * target - fixed), used = std::max(1.0, bytes - fixed);
+    const double factor = std::pow(left / used, 1 / slope.at(step, used));
+    trial = search.encode(steps.next(step * std::clamp(factor, 0.02, 50.0)));
   }
-  FittedTree found{std::move(best), {}, TreeCoder::wavelet, {}};
-  if (!found.file.empty()) found.errors = measure_file(cells, found.file, options.threads);
-  return found;
-}
-
-FittedTree search_target(Search& search, const TreeCells& cells, const CompressOptions& options, double rmse_m) {
-  if (options.target.kind == TreeClaim::bytes) return search_bytes(search, cells, options, options.target.value);
-  return search_error(search, cells, options, rmse_m);
+  if (!best.file) return {};
+  search.measure(best);
+  return fitted_of(std::move(best));
 }
 
 }  // namespace
 
 FittedTree fit_wavelet(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress) {
-  const double range_m = std::max((cells.highest - cells.lowest) * cells.metres_per_stored, 1e-9);
-  const double rmse_m = options.target.kind == TreeClaim::psnr ? range_m / std::pow(10, options.target.value / 20) : options.target.value;
+  const double range = std::max(cells.range.highest - cells.range.lowest, 1e-9);
+  const bool by_size = options.target.kind == TreeClaim::bytes;
+  const double target = by_size                                        ? options.target.value
+                        : options.target.kind == TreeClaim::psnr ? range / std::pow(10, options.target.value / 20) : options.target.value / cells.metres_per_stored;
   Search search(cells, header, options, progress);
   search.prepare(options.node_side > 0 ? options.node_side : fine_side);
-  FittedTree found = search_target(search, cells, options, rmse_m);
-  if (options.node_side > 0 || found.file.empty() || found.errors.bits_per_sample() >= sparse_bits_per_cell) return found;
-  search.prepare(wide_side);
-  FittedTree wide = search_target(search, cells, options, rmse_m);
-  const bool better = options.target.kind == TreeClaim::bytes ? wide.errors.rmse_m < found.errors.rmse_m : wide.file.size() < found.file.size();
-  return !wide.file.empty() && better ? std::move(wide) : std::move(found);
+  const double step = by_size ? solve([&](double s) { return search.expected_bytes(s); }, false, std::max(1.0, target - search.fixed_bytes()))
+                              : solve([&](double s) { return search.expected_error(s); }, true, target);
+  Trial first = search.encode(step);
+  const bool sparse = 8.0 * static_cast<double>(first.file->size()) < sparse_bits_per_cell * static_cast<double>(cells.size().cells());
+  if (options.node_side == 0 && sparse) {
+    // Of two sides at the same step, hence nearly the same error, the smaller file.
+    search.prepare(wide_side);
+    Trial wide = search.encode(step);
+    if (wide.file->size() < first.file->size()) first = std::move(wide);
+    else search.prepare(fine_side);
+  }
+  return by_size ? search_bytes(search, target, std::move(first)) : search_error(search, target, std::move(first));
 }
 
 }  // namespace arete

@@ -4,43 +4,50 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <vector>
 
 namespace arete {
+namespace {
+
+constexpr std::int64_t block = NodeGrid::greatest_side;  // cells along a side of the squares that are summed up on their own
+
+}  // namespace
 
 double TreeErrors::psnr_db() const { return 20 * std::log10((highest_m - lowest_m) / rmse_m); }
 
-TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t strip_rows) {
+TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t memory_bytes) {
   const Size size = tree.size();
+  const std::int64_t across = (size.width + block - 1) / block;
   TreeErrors errors;
   errors.bytes = tree.file().bytes();
   errors.cells = size.cells();
-  double squares = 0, greatest = 0, lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
-  for (std::int64_t y = 0; y < size.height; y += strip_rows) {
-    const Window at{0, y, size.width, std::min(strip_rows, size.height - y)};
+  StoredRange range;
+  double greatest = 0;
+  std::vector<double> squares(static_cast<std::size_t>(across * ((size.height + block - 1) / block)));
+  for (const Window& at : split_window({0, 0, size.width, size.height}, memory_bytes)) {
     Raster<double> decoded(at.width, at.height), truth(at.width, at.height);
     tree.read_stored(0, at, decoded.view());
     original.read_stored(at, truth.view());
-    for (std::int64_t i = 0; i < at.width * at.height; ++i) {
-      const double found = decoded.data()[i], wanted = truth.data()[i];
-      if (std::isnan(wanted) || std::isnan(found)) {
-        errors.void_differs += std::isnan(wanted) != std::isnan(found);
+    range.add(StoredValues(truth.data(), static_cast<std::size_t>(truth.size().cells())));
+    for (std::int64_t y = 0; y < at.height; ++y)
+      for (std::int64_t x = 0; x < at.width; ++x) {
+        const double found = decoded(x, y), wanted = truth(x, y);
         errors.valid_cells += !std::isnan(wanted);
-        continue;
+        errors.void_differs += std::isnan(wanted) != std::isnan(found);
+        if (std::isnan(wanted) || std::isnan(found)) continue;
+        errors.differs += std::bit_cast<std::uint64_t>(found) != std::bit_cast<std::uint64_t>(wanted);
+        const double error = std::abs(found - wanted);
+        squares[static_cast<std::size_t>((at.y + y) / block * across + (at.x + x) / block)] += error * error;
+        greatest = std::max(greatest, error);
       }
-      ++errors.valid_cells;
-      errors.differs += std::bit_cast<std::uint64_t>(found) != std::bit_cast<std::uint64_t>(wanted);
-      const double error = std::abs(found - wanted);
-      squares += error * error;
-      greatest = std::max(greatest, error);
-      lowest = std::min(lowest, wanted);
-      highest = std::max(highest, wanted);
-    }
   }
   const double metres = std::abs(tree.header().scale) * tree.header().geo.metres_per_unit;
-  errors.rmse_m = std::sqrt(squares / static_cast<double>(std::max<std::int64_t>(errors.valid_cells, 1))) * metres;
+  const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
+  errors.rmse_m = std::sqrt(sum / static_cast<double>(std::max<std::int64_t>(errors.valid_cells, 1))) * metres;
   errors.max_error_m = greatest * metres;
-  errors.lowest_m = lowest * metres;
-  errors.highest_m = highest * metres;
+  errors.lowest_m = range.lowest * metres;
+  errors.highest_m = range.highest * metres;
   return errors;
 }
 

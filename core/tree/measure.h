@@ -6,7 +6,7 @@
 
 namespace arete {
 
-/// Stored numbers of a DEM by window: NaN where void.
+/// Stored numbers of a DEM by window: NaN where void. Safe to call from several threads.
 class StoredSource {
  public:
   virtual ~StoredSource() = default;
@@ -30,9 +30,9 @@ struct TreeErrors {
   double bits_per_sample() const { return 8 * static_cast<double>(bytes) / static_cast<double>(cells); }
 };
 
-/// Decodes the tree strip by strip, in the type of its header, and compares it with `original`, which has its size. Sums are of
-/// doubles in a fixed order. Memory: `strip_rows` rows of both.
-TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t strip_rows = 1024);
+/// Decodes the tree by windows, in the type of its header, and compares it with `original`, which has its size. Sums are of
+/// doubles in an order that does not depend on the memory.
+TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t memory_bytes);
 
 /// Whether the tree is what its header says. Errors within a relative 1e-9 of a claimed RMSE or PSNR count as kept.
 bool keeps_claim(const TreeHeader& header, const TreeErrors& errors);

@@ -1,42 +1,68 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <memory>
 #include <vector>
 
+#include "core/codec/predictive_encoder.h"
 #include "core/codec/tree_file.h"
-#include "core/codec/void_mask_coder.h"
+#include "core/codec/value_map.h"
+#include "core/support/scratch.h"
+#include "core/terrain/cell_store.h"
+#include "core/terrain/raster_io.h"
 #include "core/tree/measure.h"
 
 namespace arete {
 
-/// A raster as the coders of the tree see it.
+/// A raster as the coders of the tree see it: its stored numbers by window, and what a first pass over them has found.
 struct TreeCells {
-  Raster<double> stored;  ///< NaN where void
-  VoidMask voids;
+  std::shared_ptr<const StoredSource> stored;  ///< in memory where the raster fits into a quarter of what is given, else the source itself
   bool any_void = false;
   std::int64_t valid = 0;
-  double lowest = 0, highest = 0;  ///< stored, of the valid cells
+  StoredRange range;  ///< stored, of the valid cells
   double metres_per_stored = 1;
+  Size size() const { return stored->size(); }
 };
 
-/// Throws Error{input} where all cells are void.
-TreeCells read_tree_cells(const StoredSource& source, const TreeHeader& header);
+/// `source` must outlive the result. Throws Error{input} where all cells are void.
+TreeCells read_tree_cells(const StoredSource& source, const TreeHeader& header, const Scratch& scratch);
 
-/// The cells as single floats, voids filled with the smoothest surface: what coders that need a number everywhere are given.
-Raster<float> fill_cells(const TreeCells& cells);
+/// Gives all numbers of a raster away, part by part.
+void visit_cells(const StoredSource& source, const std::function<void(const Window&, const Raster<double>&)>& visit);
+
+/// The cells as single floats, voids filled with the smoothest surface: for coders that need a number everywhere. Rasters beyond
+/// 2048 cells along an axis are filled in tiles that look 128 cells beyond their borders. Safe to call from several threads.
+class FilledCells final : public RasterSource {
+ public:
+  /// `cells` must outlive it. Keeps 4 bytes a cell where there are voids, as `scratch` says.
+  FilledCells(const TreeCells& cells, const Scratch& scratch, int threads);
+  Size size() const override { return cells_.size(); }
+  void read(const Window& window, RasterView<float> out) const override;
+
+ private:
+  const TreeCells& cells_;
+  CellStore<float> fills_;  ///< read at voids only; empty where there are none
+};
+
+/// The cells as the numbers of a map.
+class MappedCells final : public NumberSource {
+ public:
+  MappedCells(const TreeCells& cells, const ValueMap& map) : cells_(cells), map_(map) {}
+  Size size() const override { return cells_.size(); }
+  bool any_void() const override { return cells_.any_void; }
+  void read(const Window& window, RasterView<std::int32_t> values, RasterView<std::uint8_t> voids) const override;
+
+ private:
+  const TreeCells& cells_;
+  ValueMap map_;
+};
 
 /// The streams of the mask of a raster with voids, by NodeGrid::index, and of the coarsest level; both empty where none is void.
 struct MaskStreams {
   std::vector<std::vector<std::byte>> nodes;
   std::vector<std::byte> root;
 };
-MaskStreams encode_masks(const TreeCells& cells, const NodeGrid& grid, int threads);
-
-/// The file of a tree in memory. `header` lacks only what the arguments say.
-std::vector<std::byte> write_tree(TreeHeader header, const MaskStreams& masks, const std::vector<std::byte>& root,
-                                  const std::vector<std::vector<std::byte>>& nodes);
-
-/// What a reader of the file will find, against the original.
-TreeErrors measure_file(const TreeCells& cells, const std::vector<std::byte>& file, int threads);
+MaskStreams encode_masks(const TreeCells& cells, const NodeGrid& grid, const Scratch& scratch, int threads);
 
 }  // namespace arete

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "core/codec/subband_models.h"
-#include "core/codec/wavelet_coder.h"
+#include "core/codec/wavelet.h"
+#include "core/codec/wavelet_encoder.h"
 #include "core/support/random.h"
 #include "core/terrain/fill_voids.h"
 #include "gis/dem_file.h"
@@ -26,16 +27,37 @@ struct Example {
   int origin_x, origin_y;
 };
 
-void add_examples(const Raster<float>& cells, std::vector<Example>& examples) {
-  const WaveletPyramid pyramid = analyse_raster(cells.view(), NodeGrid(cells.size(), node_side), 0);
-  const NodeGrid& grid = pyramid.grid;
+// The root mean square of the finest details.
+double detail_spread(const Raster<float>& cells) {
+  const std::int64_t w = (cells.width() + 1) / 2, h = (cells.height() + 1) / 2;
+  Raster<float> padded(2 * w + 2 * wavelet_reach, 2 * h + 2 * wavelet_reach), low(w, h);
+  for (std::int64_t y = 0; y < padded.height(); ++y)
+    for (std::int64_t x = 0; x < padded.width(); ++x)
+      padded(x, y) = cells(mirrored_index(x - wavelet_reach, cells.width()), mirrored_index(y - wavelet_reach, cells.height()));
+  std::array<Raster<float>, band_count> bands;
+  for (Raster<float>& band : bands) band = Raster<float>(w, h);
+  analyse(padded.view(), low.view(), {bands[0].view(), bands[1].view(), bands[2].view()});
   double squares = 0;
-  for (const Raster<float>& band : pyramid.bands[0])
-    for (std::int64_t i = 0; i < band.size().cells(); ++i) squares += static_cast<double>(band.data()[i]) * band.data()[i];
-  const double spread = std::sqrt(squares / static_cast<double>(cells.size().cells()));
+  for (int b = 0; b < band_count; ++b) {
+    const Size size = band_size(cells.size(), b);
+    for (std::int64_t y = 0; y < size.height; ++y)
+      for (std::int64_t x = 0; x < size.width; ++x) squares += std::pow(static_cast<double>(bands[static_cast<std::size_t>(b)](x, y)), 2);
+  }
+  return std::sqrt(squares / static_cast<double>(cells.size().cells()));
+}
+
+void add_examples(const Raster<float>& cells, std::vector<Example>& examples) {
+  const ViewSource source(cells.view());
+  const WaveletPyramid pyramid = analyse_raster(source, NodeGrid(cells.size(), node_side), {}, 0);
+  const NodeGrid& grid = pyramid.grid;
+  const double spread = detail_spread(cells);
   for (double factor : {0.12, 0.3, 0.8, 2.0, 5.0, 12.0, 30.0}) {
-    const WaveletStreams streams = encode_wavelet(pyramid, static_cast<float>(spread * factor), 0.2F, 2, 0);
-    std::vector<NodeCoefficients> nodes(streams.nodes.size());
+    WaveletEncoding how;
+    how.step = static_cast<float>(spread * factor);
+    std::vector<std::vector<std::byte>> streams;
+    encode_wavelet(pyramid, how, {[&](std::vector<std::byte> stream) { streams.push_back(std::move(stream)); },
+                                  [&](std::int64_t index) { return streams[static_cast<std::size_t>(index)]; }});
+    std::vector<NodeCoefficients> nodes(streams.size());
     for (std::size_t i = 0; i < nodes.size(); ++i) {
       const NodeAddress node = grid.address(static_cast<std::int64_t>(i));
       const bool has_parent = node.level < grid.levels();
@@ -43,9 +65,9 @@ void add_examples(const Raster<float>& cells, std::vector<Example>& examples) {
           has_parent ? &nodes[static_cast<std::size_t>(grid.index({node.level + 1, node.x / 2, node.y / 2}))] : nullptr;
       const ParentView view = view_parent(grid, node, parent);
       nodes[i] = blank_coefficients(grid, node);
-      if (streams.nodes[i].empty()) continue;
+      if (streams[i].empty()) continue;
       SubbandModels models = initial_subband_models();
-      decode_subbands(streams.nodes[i], view, models, nodes[i]);
+      decode_subbands(streams[i], view, models, nodes[i]);
       examples.push_back({nodes[i], has_parent ? *parent : NodeCoefficients{}, has_parent, view.origin_x, view.origin_y});
     }
   }

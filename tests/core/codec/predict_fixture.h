@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/codec/predictive_coder.h"
+#include "core/codec/predictive_encoder.h"
 #include "core/support/random.h"
 #include "core/synthesis/spectral.h"
 #include "tests/data.h"
@@ -60,6 +60,49 @@ inline VoidReader void_reader(const Raster<std::uint8_t>& voids) {
     return part;
   };
 }
+
+/// A raster as predictive streams in memory.
+struct PredictiveStreams {
+  NodeGrid grid;
+  PredictParameters parameters;
+  std::vector<std::byte> root;
+  std::vector<std::vector<std::byte>> nodes;
+  std::int64_t bytes() const {
+    std::size_t sum = root.size() + encode_parameters(parameters).size();
+    for (const auto& node : nodes) sum += node.size();
+    return static_cast<std::int64_t>(sum);
+  }
+};
+
+/// Numbers in memory; `voids` data null: none.
+class NumbersInMemory final : public NumberSource {
+ public:
+  NumbersInMemory(RasterView<const std::int32_t> values, RasterView<const std::uint8_t> voids) : values_(values), voids_(voids) {}
+  Size size() const override { return values_.size(); }
+  bool any_void() const override { return voids_.data != nullptr; }
+  void read(const Window& window, RasterView<std::int32_t> values, RasterView<std::uint8_t> voids) const override {
+    for (std::int64_t y = 0; y < window.height; ++y)
+      for (std::int64_t x = 0; x < window.width; ++x) {
+        values(x, y) = values_(window.x + x, window.y + y);
+        if (voids.data != nullptr) voids(x, y) = voids_(window.x + x, window.y + y);
+      }
+  }
+
+ private:
+  RasterView<const std::int32_t> values_;
+  RasterView<const std::uint8_t> voids_;
+};
+
+inline PredictiveStreams encode_streams(RasterView<const std::int32_t> values, RasterView<const std::uint8_t> voids, const NodeGrid& grid,
+                                        const PredictiveEncoding& how) {
+  PredictiveStreams streams{grid, {}, {}, {}};
+  const NodeStore store{[&](std::vector<std::byte> stream) { streams.nodes.push_back(std::move(stream)); }, {}};
+  PredictiveSummary summary = encode_predictive(NumbersInMemory(values, voids), grid, how, store);
+  streams.parameters = std::move(summary.parameters);
+  streams.root = std::move(summary.root);
+  return streams;
+}
+
 
 inline Raster<std::int32_t> decode(const PredictiveStreams& streams, int level, const Window& window, const VoidReader& voids = {},
                                    int threads = 1) {

@@ -10,10 +10,10 @@ namespace arete {
 namespace {
 
 PredictiveStreams encode(const Raster<std::int32_t>& terrain, std::int32_t step, int side = 64, int threads = 1) {
-  PredictiveOptions options;
+  PredictiveEncoding options;
   options.step = step;
   options.threads = threads;
-  return encode_predictive(terrain.view(), {}, NodeGrid(terrain.size(), side), options);
+  return encode_streams(terrain.view(), {}, NodeGrid(terrain.size(), side), options);
 }
 
 Window whole(const PredictiveStreams& streams, int level = 0) {
@@ -125,25 +125,13 @@ TEST(PredictiveCoder, AWindowReadsOnlyTheNodesItDependsOn) {
   EXPECT_LE(read, 4 + 9 * (streams.grid.levels() - 1));
 }
 
-TEST(PredictiveCoder, ThreadsDoNotChangeTheBytes) {
-  const Raster<std::int32_t> terrain = fractal_terrain(400, 300, 5000);
-  const PredictiveStreams one = encode(terrain, 15, 64, 1);
-  for (int threads : {2, 7}) {
-    const PredictiveStreams many = encode(terrain, 15, 64, threads);
-    EXPECT_EQ(one.nodes, many.nodes);
-    EXPECT_EQ(one.root, many.root);
-    EXPECT_EQ(encode_parameters(one.parameters), encode_parameters(many.parameters));
-    EXPECT_EQ(largest_difference(decode(one, 0, whole(one)).view(), decode(many, 0, whole(many), {}, threads).view()), 0);
-  }
-}
-
 TEST(PredictiveCoder, TheBoundHoldsBetweenVoids) {
   const Raster<std::int32_t> terrain = fractal_terrain(301, 260, 3000);
   const Raster<std::uint8_t> voids = ragged_mask(301, 260);
-  PredictiveOptions options;
+  PredictiveEncoding options;
   for (std::int32_t step : {1, 12}) {
     options.step = step;
-    const PredictiveStreams streams = encode_predictive(terrain.view(), voids.view(), NodeGrid(terrain.size(), 64), options);
+    const PredictiveStreams streams = encode_streams(terrain.view(), voids.view(), NodeGrid(terrain.size(), 64), options);
     for (int level = 0; level <= streams.grid.levels(); ++level) {
       const Raster<std::int32_t> decoded = decode(streams, level, whole(streams, level), void_reader(voids));
       for (std::int64_t y = 0; y < decoded.height(); ++y)
@@ -162,7 +150,7 @@ TEST(PredictiveCoder, ValuesUnderVoidsDoNotMatter) {
   for (std::int64_t i = 0; i < other.size().cells(); ++i)
     if (voids.data()[i]) other.data()[i] = static_cast<std::int32_t>(hash_position(5, static_cast<std::uint64_t>(i)));
   const NodeGrid grid(terrain.size(), 64);
-  const PredictiveStreams a = encode_predictive(terrain.view(), voids.view(), grid, {}), b = encode_predictive(other.view(), voids.view(), grid, {});
+  const PredictiveStreams a = encode_streams(terrain.view(), voids.view(), grid, {}), b = encode_streams(other.view(), voids.view(), grid, {});
   EXPECT_EQ(a.nodes, b.nodes);
   EXPECT_EQ(a.root, b.root);
   EXPECT_EQ(encode_parameters(a.parameters), encode_parameters(b.parameters));
@@ -171,27 +159,8 @@ TEST(PredictiveCoder, ValuesUnderVoidsDoNotMatter) {
 TEST(PredictiveCoder, VoidCellsCostNothing) {
   const Raster<std::int32_t> terrain = fractal_terrain(100, 90, 3000);
   const Raster<std::uint8_t> voids(100, 90, 1);
-  const PredictiveStreams streams = encode_predictive(terrain.view(), voids.view(), NodeGrid(terrain.size(), 32), {});
+  const PredictiveStreams streams = encode_streams(terrain.view(), voids.view(), NodeGrid(terrain.size(), 32), {});
   for (const auto& node : streams.nodes) EXPECT_TRUE(node.empty());
-}
-
-TEST(PredictiveCoder, TheEncoderKnowsWhatIsDecoded) {
-  const Raster<std::int32_t> terrain = fractal_terrain(140, 90, 3000);
-  const PredictiveStreams streams = encode(terrain, 31);
-  EXPECT_EQ(largest_difference(streams.decoded.view(), decode(streams, 0, whole(streams)).view()), 0);
-}
-
-TEST(PredictiveCoder, FinerCoarseLevelsKeepTheBound) {
-  const Raster<std::int32_t> terrain = fractal_terrain(200, 200, 9000);
-  PredictiveOptions options;
-  options.step = 101;
-  options.coarse_step = {240, 200, 128};
-  const PredictiveStreams streams = encode_predictive(terrain.view(), {}, NodeGrid(terrain.size(), 64), options);
-  EXPECT_EQ(streams.parameters.levels[0].step, 101);
-  EXPECT_EQ(streams.parameters.levels[1].step, 94);
-  EXPECT_EQ(streams.parameters.levels[2].step, 78);
-  EXPECT_EQ(streams.parameters.root_step, 50);
-  EXPECT_LE(largest_difference(terrain.view(), decode(streams, 0, whole(streams)).view()), 50);
 }
 
 }  // namespace

@@ -15,6 +15,23 @@ namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
+ValueSurvey survey(ValueType type, const std::vector<double>& values) {
+  StoredRange range;
+  range.add(values);
+  ValueSurvey found(type, range);
+  // In two parts, as a raster comes.
+  const std::size_t half = values.size() / 2;
+  found.add(StoredValues(values).first(half));
+  found.add(StoredValues(values).subspan(half));
+  return found;
+}
+
+std::optional<ValueMap> map_lossless(ValueType type, const std::vector<double>& values) { return survey(type, values).lossless(); }
+
+std::optional<BoundedMap> map_within(ValueType type, const std::vector<double>& values, double max_error) {
+  return arete::map_within(survey(type, values), max_error);
+}
+
 void expect_lossless(const ValueMap& map, const std::vector<double>& values) {
   for (double value : values) {
     if (std::isnan(value)) continue;

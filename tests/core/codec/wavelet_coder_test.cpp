@@ -6,6 +6,7 @@
 
 #include "core/support/random.h"
 #include "tests/core/codec/codec_terrain.h"
+#include "tests/core/codec/wavelet_fixture.h"
 
 namespace arete {
 namespace {
@@ -15,9 +16,7 @@ Raster<float> decode(const WaveletStreams& streams, int level, const Window& win
                         level, window, threads);
 }
 
-WaveletStreams encode(const Raster<float>& cells, int side, float step, int threads = 1) {
-  return encode_wavelet(analyse_raster(cells.view(), NodeGrid(cells.size(), side), threads), step, 0.2F, 1, threads);
-}
+WaveletStreams encode(const Raster<float>& cells, int side, float step) { return encode_wavelet_streams(cells.view(), side, step); }
 
 double squared_error(const Raster<float>& a, const Raster<float>& b) {
   double sum = 0;
@@ -54,17 +53,6 @@ TEST(WaveletCoder, WindowsAreTheWhole) {
       for (std::int64_t row = 0; row < window.height; ++row)
         for (std::int64_t column = 0; column < window.width; ++column) ASSERT_EQ(part(column, row), whole(x + column, y + row)) << "level " << level;
     }
-  }
-}
-
-TEST(WaveletCoder, ThreadsGiveTheSameBytes) {
-  const Raster<float> cells = codec_terrain(260, 130);
-  const WaveletStreams one = encode(cells, 32, 3, 1);
-  for (int threads : {2, 7}) {
-    const WaveletStreams other = encode(cells, 32, 3, threads);
-    EXPECT_EQ(one.root, other.root);
-    EXPECT_EQ(one.nodes, other.nodes);
-    EXPECT_EQ(one.parameters.shrink, other.parameters.shrink);
   }
 }
 

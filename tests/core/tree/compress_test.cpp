@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <limits>
 
 #include "core/support/error.h"
@@ -111,6 +112,17 @@ TEST(Compress, ThreadsGiveTheSameFile) {
   for (int threads : {2, 7}) {
     options.threads = threads;
     EXPECT_EQ(make_tree(source, int16_header(), options).file, one.file) << threads;
+  }
+}
+
+TEST(Compress, MemoryAndFilesGiveTheSameFile) {
+  const MemoryStored source = whole_metres(700, 530, true);
+  for (const CompressionTarget& target : {CompressionTarget{TreeClaim::rmse, 2}, CompressionTarget{TreeClaim::lossless, 0}}) {
+    CompressOptions options;
+    options.target = target;
+    const MadeTree held = make_tree(source, int16_header(), options);
+    options.scratch = {1 << 16, std::filesystem::temp_directory_path().string()};
+    EXPECT_EQ(make_tree(source, int16_header(), options).file, held.file);
   }
 }
 

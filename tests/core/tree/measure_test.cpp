@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/support/random.h"
 #include "tests/core/tree/tree_sources.h"
 
 namespace arete {
@@ -21,7 +22,7 @@ TEST(Measure, CountsWhatIsOff) {
   CompressOptions options;
   options.target = {TreeClaim::rmse, 0.5};
   const MadeTree made = make_tree(MemoryStored(std::move(flat)), header, options);
-  const TreeErrors errors = measure_tree(open_tree(made), MemoryStored(std::move(original)), 3);
+  const TreeErrors errors = measure_tree(open_tree(made), MemoryStored(std::move(original)), 1 << 20);
   EXPECT_EQ(errors.valid_cells, 199);
   EXPECT_EQ(errors.void_differs, 1);
   EXPECT_EQ(errors.differs, 2);
@@ -29,6 +30,21 @@ TEST(Measure, CountsWhatIsOff) {
   EXPECT_DOUBLE_EQ(errors.rmse_m, 2 * std::sqrt(25.0 / 199));
   EXPECT_DOUBLE_EQ(errors.highest_m - errors.lowest_m, 14);
   EXPECT_DOUBLE_EQ(errors.psnr_db(), 20 * std::log10(14 / errors.rmse_m));
+}
+
+// Wider than a window, so that sums come from several.
+TEST(Measure, TheMemoryDoesNotChangeTheSums) {
+  Raster<double> cells(2100, 1030);
+  for (std::int64_t i = 0; i < cells.size().cells(); ++i) cells.data()[i] = 100 + 40 * uniform_at(1, static_cast<std::uint64_t>(i));
+  const MemoryStored source(std::move(cells));
+  CompressOptions options;
+  options.target = {TreeClaim::rmse, 5};
+  const MadeTree made = make_tree(source, {}, options);
+  const TreeErrors large = measure_tree(open_tree(made), source, std::int64_t{1} << 30), small = measure_tree(open_tree(made), source, 1);
+  EXPECT_EQ(large.rmse_m, small.rmse_m);
+  EXPECT_EQ(large.max_error_m, small.max_error_m);
+  EXPECT_EQ(large.valid_cells, small.valid_cells);
+  EXPECT_EQ(large.rmse_m, made.report.rmse_m);
 }
 
 TEST(Measure, ClaimsAreKeptOrNot) {

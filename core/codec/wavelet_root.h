@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/codec/wavelet_coder.h"
+
+namespace arete {
+
+// The coarsest level of a tree of wavelet coefficients: quantised low-pass values, each coded as its difference to the one before.
+
+/// `root`: the low-pass of the coarsest level.
+std::vector<std::byte> encode_wavelet_root(const Raster<float>& root, const WaveletParameters& parameters);
+
+/// The inverse, as quantised. Safe for untrusted bytes.
+Raster<float> decode_wavelet_root(std::span<const std::byte> bytes, const WaveletParameters& parameters);
+
+}  // namespace arete

@@ -1,0 +1,53 @@
+#include "core/tree/tree_draft.h"
+
+#include <utility>
+
+#include "core/codec/void_mask_coder.h"
+
+namespace arete {
+namespace {
+
+constexpr const char* draft_name = "the tree just made";
+
+}  // namespace
+
+class TreeDraft::Bytes final : public ByteSource {
+ public:
+  explicit Bytes(const Scratch& scratch) : bytes_(scratch, scratch.memory_bytes / 8) {}
+  void append(std::span<const std::byte> bytes) { bytes_.append(bytes); }
+  std::uint64_t size() const override { return bytes_.size(); }
+  void read(std::uint64_t position, std::span<std::byte> to) const override { bytes_.read(position, to); }
+
+ private:
+  ScratchBytes bytes_;
+};
+
+TreeDraft::TreeDraft(const MaskStreams& masks, const Scratch& scratch)
+    : masks_(masks), bytes_(std::make_shared<Bytes>(scratch)), writer_([bytes = bytes_](std::span<const std::byte> more) { bytes->append(more); }) {}
+
+NodeStore TreeDraft::nodes() {
+  const auto add = [this](std::vector<std::byte> stream) {
+    const std::size_t index = writer_.nodes().size();
+    writer_.add_node(masks_.root.empty() ? stream : join_parts({masks_.nodes[index], std::move(stream)}));
+  };
+  const auto read = [this](std::int64_t index) {
+    const NodeEntry& entry = writer_.nodes()[static_cast<std::size_t>(index)];
+    std::vector<std::byte> stream(entry.bytes);
+    bytes_->read(entry.position, stream);
+    return masks_.root.empty() ? stream : split_parts(stream, draft_name).cells;
+  };
+  return {add, read};
+}
+
+std::shared_ptr<const ByteSource> TreeDraft::finish(TreeHeader header, const std::vector<std::byte>& root) {
+  header.voids = !masks_.root.empty();
+  header.root = header.voids ? join_parts({masks_.root, root}) : root;
+  writer_.finish(header);
+  return bytes_;
+}
+
+TreeErrors measure_file(const TreeCells& cells, const std::shared_ptr<const ByteSource>& file, const Scratch& scratch, int threads) {
+  return measure_tree(ElevationTree(TreeFile(file, draft_name), threads), *cells.stored, scratch.memory_bytes / 2);
+}
+
+}  // namespace arete
