@@ -62,9 +62,9 @@ void run_compress(const CompressArguments& arguments, const CommonOptions& commo
   options.patches.learning = arguments.learning == "ksvd" ? PatchLearning::ksvd : PatchLearning::constrained;
   options.patches.seed = common.seed;
   options.threads = common.threads;
-  // A quarter of the memory is for what GDAL keeps of the input.
+  // A quarter of the memory is for what GDAL keeps of the input, another for the program itself.
   limit_block_cache(common.memory_bytes / 4);
-  options.scratch = {common.memory_bytes * 3 / 4, std::filesystem::absolute(arguments.output).parent_path().string()};
+  options.scratch = {common.memory_bytes / 2, std::filesystem::absolute(arguments.output).parent_path().string()};
   AtomicFile file(arguments.output, common.overwrite);
   const auto progress = make_progress(common);
   const CompressionReport report =

@@ -36,6 +36,28 @@ float float_of(std::int64_t ordered) {
   return std::bit_cast<float>(ordered >= 0 ? static_cast<std::uint32_t>(ordered) : static_cast<std::uint32_t>(-ordered - 1) | 0x80000000U);
 }
 
+// The same of doubles.
+std::int64_t ordered_bits(double value) {
+  const auto bits = std::bit_cast<std::int64_t>(value);
+  return bits >= 0 ? bits : -(bits & std::numeric_limits<std::int64_t>::max()) - 1;
+}
+
+double double_of(std::int64_t ordered) {
+  constexpr std::uint64_t sign = std::uint64_t{1} << 63;
+  return std::bit_cast<double>(ordered >= 0 ? static_cast<std::uint64_t>(ordered) : static_cast<std::uint64_t>(-(ordered + 1)) | sign);
+}
+
+// The map by the bits of doubles: as few lower ones as the range allows.
+ValueMap double_bits_map(double lowest, double highest) {
+  ValueMap map{ValueMap::Kind::double_bits, ValueType::float64};
+  const auto span = [&] { return (ordered_bits(highest) >> map.low_bits) - (ordered_bits(lowest) >> map.low_bits); };
+  // Unsigned: from the lowest double to the highest it is nearly 2^64.
+  const auto wide = static_cast<std::uint64_t>(ordered_bits(highest)) - static_cast<std::uint64_t>(ordered_bits(lowest));
+  while ((wide >> map.low_bits) >= 0x7ffffff0U) ++map.low_bits;
+  map.base = (ordered_bits(lowest) >> map.low_bits) + span() / 2;
+  return map;
+}
+
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 // The steps of a quantum from the middle of the range on, or nullopt where they do not fit n.
@@ -46,7 +68,9 @@ std::optional<ValueMap> steps_map(ValueType type, const StoredRange& range, Quan
 }
 
 bool gives_back(const ValueMap& map, StoredValues values) {
-  return std::all_of(values.begin(), values.end(), [&](double value) { return std::isnan(value) || same_bits(map.value_of(map.number_of(value)), value); });
+  return std::all_of(values.begin(), values.end(), [&](double value) {
+    return std::isnan(value) || same_bits(map.value_of(map.number_of(value), map.low_of(value)), value);
+  });
 }
 
 // The largest rounding of a decoded number to the type.
@@ -57,21 +81,29 @@ double rounding_of(ValueType type, const StoredRange& range) {
 
 }  // namespace
 
-double ValueMap::value_of(std::int32_t n) const {
+double ValueMap::value_of(std::int32_t n, std::uint64_t low) const {
   if (kind == Kind::float_bits) return static_cast<double>(float_of(base + n));
+  if (kind == Kind::double_bits) return double_of(static_cast<std::int64_t>(static_cast<std::uint64_t>(base + n) << low_bits | low));
   return hold_to(type, static_cast<double>(base + n) * numerator / denominator);
 }
 
 std::int32_t ValueMap::number_of(double value) const {
+  if (kind == Kind::double_bits) return static_cast<std::int32_t>((ordered_bits(value) >> low_bits) - base);
   const double number = kind == Kind::float_bits ? static_cast<double>(ordered_bits(static_cast<float>(value)))
                                                  : std::round(value * denominator / numerator);
   return static_cast<std::int32_t>(std::clamp(number - static_cast<double>(base), -0x1p31, 0x1p31 - 1));
 }
 
+std::uint64_t ValueMap::low_of(double value) const {
+  if (kind != Kind::double_bits || std::isnan(value)) return 0;
+  return static_cast<std::uint64_t>(ordered_bits(value)) & ((std::uint64_t{1} << low_bits) - 1);
+}
+
 void put_value_map(const ValueMap& map, ByteWriter& out) {
   out.put_u8(static_cast<std::uint8_t>(map.kind));
   out.put_varint(static_cast<std::uint64_t>(map.base < 0 ? -2 * map.base - 1 : 2 * map.base));
-  if (map.kind == ValueMap::Kind::float_bits) return;
+  if (map.kind == ValueMap::Kind::double_bits) out.put_u8(static_cast<std::uint8_t>(map.low_bits));
+  if (map.kind != ValueMap::Kind::steps) return;
   out.put(map.numerator);
   out.put(map.denominator);
 }
@@ -80,11 +112,12 @@ ValueMap get_value_map(ByteReader& in, ValueType type) {
   ValueMap map;
   map.type = type;
   const std::uint8_t kind = in.get_u8();
-  if (kind != 1 && kind != 2) in.fail("its values are mapped in a way that does not exist");
+  if (kind < 1 || kind > 3) in.fail("its values are mapped in a way that does not exist");
   map.kind = static_cast<ValueMap::Kind>(kind);
   const std::uint64_t folded = in.get_varint(std::uint64_t{1} << 54, "the base of its values");
   map.base = folded % 2 ? -static_cast<std::int64_t>(folded / 2) - 1 : static_cast<std::int64_t>(folded / 2);
-  if (map.kind == ValueMap::Kind::float_bits) return map;
+  if (map.kind == ValueMap::Kind::double_bits) map.low_bits = static_cast<int>(in.get_varint(ValueMap::greatest_low_bits, "the count of its lower bits"));
+  if (map.kind != ValueMap::Kind::steps) return map;
   map.numerator = in.get<double>();
   map.denominator = in.get<double>();
   if (!(map.numerator > 0) || !std::isfinite(map.numerator) || !(map.denominator > 0) || !std::isfinite(map.denominator))
@@ -108,6 +141,7 @@ ValueSurvey::ValueSurvey(ValueType type, const StoredRange& range) : type_(type)
   }
   const std::int64_t low = ordered_bits(static_cast<float>(range_.lowest)), high = ordered_bits(static_cast<float>(range_.highest));
   candidates_.push_back({ValueMap::Kind::float_bits, type, (low + high) / 2});
+  if (type == ValueType::float64) candidates_.push_back(double_bits_map(range_.lowest, range_.highest));
 }
 
 void ValueSurvey::add(StoredValues values) {

@@ -12,19 +12,25 @@
 namespace arete {
 
 /// How stored numbers become the integers that the predictive coder codes. Back: hold_to(type, (base + n) x numerator / denominator),
-/// or, of kind float_bits, the Float32 whose bits, mapped so that larger floats have larger numbers, are base + n.
+/// or, of kind float_bits, the Float32 whose bits, mapped so that larger floats have larger numbers, are base + n, or, of kind
+/// double_bits, the Float64 whose bits, mapped so, are base + n followed by `low_bits` lower ones, which are no part of n.
 struct ValueMap {
-  enum class Kind : std::uint8_t { steps = 1, float_bits = 2 };
+  enum class Kind : std::uint8_t { steps = 1, float_bits = 2, double_bits = 3 };
   Kind kind = Kind::steps;
   ValueType type = ValueType::int16;
   std::int64_t base = 0;
   double numerator = 1;
   double denominator = 1;
+  int low_bits = 0;  ///< 0 to greatest_low_bits; 0 of other kinds
 
-  /// The stored number of n. Doubles in a fixed order: the same on every machine.
-  double value_of(std::int32_t n) const;
+  static constexpr int greatest_low_bits = 33;
+
+  /// The stored number of n and the lower bits. Doubles in a fixed order: the same on every machine.
+  double value_of(std::int32_t n, std::uint64_t low = 0) const;
   /// The nearest n of a stored number within the range that the map was made for.
   std::int32_t number_of(double value) const;
+  /// The lower bits of a stored number; 0 where it is NaN or the map has none.
+  std::uint64_t low_of(double value) const;
 };
 
 void put_value_map(const ValueMap& map, ByteWriter& out);
@@ -48,7 +54,7 @@ class ValueSurvey {
   /// Whole multiples of a common quantum (1, 1/2, 1/4, 1/10, ... 1/10000, feet in metres), the coarsest that fits. -0.0 is a
   /// number of its own, which no quantum gives back. Integers below 2^31 in range always have one.
   std::optional<ValueMap> quantised() const;
-  /// The same, else the bits of 32-bit floats. Nullopt where neither does: doubles that no float holds.
+  /// The same, else the bits of 32-bit floats, or of 64-bit ones. Nullopt for integers that span more than 32 bits.
   std::optional<ValueMap> lossless() const;
   const StoredRange& range() const { return range_; }
   ValueType type() const { return type_; }

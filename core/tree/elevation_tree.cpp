@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/codec/byte_stream.h"
+#include "core/codec/low_bits.h"
 #include "core/codec/patch_coder.h"
 #include "core/codec/void_mask_coder.h"
 #include "core/support/error.h"
@@ -18,6 +19,9 @@ std::vector<std::byte> cells_of(const TreeFile& file, std::int64_t index) {
   std::vector<std::byte> stream = file.read_node(index);
   return file.header().voids ? split_parts(stream, file.name()).cells : stream;
 }
+
+// Whether a cell of a block belongs to the coarser level.
+bool on_lattice(std::int64_t x, std::int64_t y) { return x % 2 == 0 && y % 2 == 0; }
 
 // The root of a tree with voids: the coarsest mask, then the coder's.
 NodeParts root_parts(const TreeFile& file) {
@@ -40,6 +44,31 @@ Window whole_blocks(const NodeGrid& grid, int level, const Window& window) {
   const std::int64_t x1 = std::min(size.width, (window.x + window.width + side - 1) / side * side);
   const std::int64_t y1 = std::min(size.height, (window.y + window.height + side - 1) / side * side);
   return {x0, y0, x1 - x0, y1 - y0};
+}
+
+// What has to be decoded of each level, from `level` to the one below the root: whole blocks.
+std::vector<Window> block_windows(const NodeGrid& grid, int level, const Window& window) {
+  std::vector<Window> windows{window};
+  for (int l = level + 1; l <= grid.levels(); ++l) {
+    windows.back() = whole_blocks(grid, l - 1, windows.back());
+    windows.push_back(coarse_window(windows.back(), grid.level_size(l)));
+  }
+  return windows;
+}
+
+// The nodes whose blocks a window consists of.
+Window nodes_over(const NodeGrid& grid, const Window& at) {
+  const std::int64_t side = grid.side(), x = at.x / side, y = at.y / side;
+  return {x, y, (at.x + at.width + side - 1) / side - x, (at.y + at.height + side - 1) / side - y};
+}
+
+// The part of cells, which begin at `at`, that a window asks for.
+template <class T>
+Raster<T> crop_to(const Raster<T>& cells, const Window& at, const Window& window) {
+  Raster<T> part(window.width, window.height);
+  for (std::int64_t y = 0; y < window.height; ++y)
+    std::copy_n(cells.view().row(window.y + y - at.y) + (window.x - at.x), window.width, part.view().row(y));
+  return part;
 }
 
 }  // namespace
@@ -66,45 +95,77 @@ ElevationTree::ElevationTree(TreeFile file, int threads) : file_(std::move(file)
 
 ElevationTree ElevationTree::open(const std::string& path, int threads) { return ElevationTree(TreeFile(open_bytes(path), path), threads); }
 
-Raster<double> ElevationTree::decode(int level, const Window& window) const {
-  const auto streams = [this](std::int64_t index) { return cells_of(file_, index); };
+Raster<double> ElevationTree::decode_numbers(int level, const Window& window) const {
+  const bool has_low = map_.low_bits > 0;
+  const auto numbers_of = [&](std::vector<std::byte> stream) { return has_low ? split_number_parts(stream, file_.name()).numbers : stream; };
+  const auto streams = [&](std::int64_t index) { return numbers_of(cells_of(file_, index)); };
+  const VoidReader voids = header().voids ? VoidReader([this](int l, const Window& w) { return decode_mask(l, w); }) : VoidReader();
+  const Raster<std::int32_t> numbers = decode_predictive(header().grid, predictive_, numbers_of(root_parts(file_).cells), streams, voids, level, window, threads_);
+  const Raster<std::uint64_t> low = has_low ? decode_low_bits(level, window) : Raster<std::uint64_t>();
   Raster<double> stored(window.width, window.height);
-  if (header().coder == TreeCoder::predictive) {
-    const VoidReader voids = header().voids ? VoidReader([this](int l, const Window& w) { return decode_mask(l, w); }) : VoidReader();
-    const Raster<std::int32_t> numbers = decode_predictive(header().grid, predictive_, root_parts(file_).cells, streams, voids, level, window, threads_);
-    for (std::int64_t i = 0; i < numbers.size().cells(); ++i) stored.data()[i] = map_.value_of(numbers.data()[i]);
-    return stored;
-  }
+  for (std::int64_t i = 0; i < numbers.size().cells(); ++i) stored.data()[i] = map_.value_of(numbers.data()[i], has_low ? low.data()[i] : 0);
+  return stored;
+}
+
+Raster<double> ElevationTree::decode(int level, const Window& window) const {
+  if (header().coder == TreeCoder::predictive) return decode_numbers(level, window);
+  const auto streams = [this](std::int64_t index) { return cells_of(file_, index); };
   const Raster<float> cells = header().coder == TreeCoder::patches
                                   ? decode_patches(patches_, root_parts(file_).cells, streams, level, window, threads_)
                                   : decode_wavelet(wavelet_, root_parts(file_).cells, streams, level, window, threads_);
+  Raster<double> stored(window.width, window.height);
   for (std::int64_t i = 0; i < cells.size().cells(); ++i) stored.data()[i] = static_cast<double>(cells.data()[i]);
   return stored;
 }
 
+// From the coarsest level on: a part of a level (x, y being where it begins) has those of the coarser one on its lattice.
+Raster<std::uint64_t> ElevationTree::decode_low_bits(int level, const Window& window) const {
+  const NodeGrid& grid = header().grid;
+  const std::vector<Window> windows = block_windows(grid, level, window);
+  const auto low_of = [&](const std::vector<std::byte>& stream, std::size_t count) {
+    return unpack_low_bits(split_number_parts(stream, file_.name()).low, count, map_.low_bits, file_.name());
+  };
+  const Size root = grid.level_size(grid.levels());
+  const std::vector<std::uint64_t> roots = low_of(root_parts(file_).cells, static_cast<std::size_t>(root.cells()));
+  Raster<std::uint64_t> coarse(root.width, root.height);
+  std::copy(roots.begin(), roots.end(), coarse.data());
+  Window before{0, 0, root.width, root.height};
+  for (int l = grid.levels(); l > level; --l) {
+    const Window& at = windows[static_cast<std::size_t>(l - 1 - level)];
+    Raster<std::uint64_t> fine(at.width, at.height);
+    const Window nodes = nodes_over(grid, at);
+    parallel_for(nodes.width * nodes.height, threads_, [&](std::int64_t i) {
+      const NodeAddress node{l, nodes.x + i % nodes.width, nodes.y + i / nodes.width};
+      const Window block = grid.cells(node);
+      const Window& b = block;
+      const std::int64_t coded = b.width * b.height - ((b.width + 1) / 2) * ((b.height + 1) / 2);
+      const std::vector<std::uint64_t> numbers = low_of(cells_of(file_, grid.index(node)), static_cast<std::size_t>(coded));
+      std::size_t next = 0;
+      for (std::int64_t y = 0; y < b.height; ++y)
+        for (std::int64_t x = 0; x < b.width; ++x)
+          fine(b.x + x - at.x, b.y + y - at.y) = on_lattice(x, y) ? coarse((b.x + x) / 2 - before.x, (b.y + y) / 2 - before.y) : numbers[next++];
+    });
+    coarse = std::move(fine);
+    before = at;
+  }
+  return crop_to(coarse, before, window);
+}
+
 Raster<std::uint8_t> ElevationTree::decode_mask(int level, const Window& window) const {
   const NodeGrid& grid = header().grid;
-  std::vector<Window> windows{window};
-  for (int l = level + 1; l <= grid.levels(); ++l) {
-    windows.back() = whole_blocks(grid, l - 1, windows.back());
-    windows.push_back(coarse_window(windows.back(), grid.level_size(l)));
-  }
+  const std::vector<Window> windows = block_windows(grid, level, window);
   VoidMask mask = decode_root_voids(root_parts(file_).voids, grid.level_size(grid.levels()), file_.name());
   for (int l = grid.levels(); l > level; --l) {
     const Window& at = windows[static_cast<std::size_t>(l - 1 - level)];
     VoidMask fine{Raster<std::uint8_t>(at.width, at.height), at.x, at.y};
-    const std::int64_t side = grid.side(), x0 = at.x / side, y0 = at.y / side;
-    const std::int64_t wide = (at.x + at.width + side - 1) / side - x0, high = (at.y + at.height + side - 1) / side - y0;
-    parallel_for(wide * high, threads_, [&](std::int64_t i) {
-      const NodeAddress node{l, x0 + i % wide, y0 + i / wide};
+    const Window nodes = nodes_over(grid, at);
+    parallel_for(nodes.width * nodes.height, threads_, [&](std::int64_t i) {
+      const NodeAddress node{l, nodes.x + i % nodes.width, nodes.y + i / nodes.width};
       decode_voids(grid, node, split_parts(file_.read_node(grid.index(node)), file_.name()).voids, mask, fine);
     });
     mask = std::move(fine);
   }
-  Raster<std::uint8_t> cells(window.width, window.height);
-  for (std::int64_t y = 0; y < window.height; ++y)
-    std::copy_n(mask.cells.view().row(window.y + y - mask.y) + (window.x - mask.x), window.width, cells.view().row(y));
-  return cells;
+  return crop_to(mask.cells, {mask.x, mask.y, mask.cells.width(), mask.cells.height()}, window);
 }
 
 void ElevationTree::read_stored(int level, const Window& window, RasterView<double> out) const {

@@ -41,6 +41,8 @@ class ElevationTree final : public RasterSource {
 
  private:
   Raster<double> decode(int level, const Window& window) const;
+  Raster<double> decode_numbers(int level, const Window& window) const;
+  Raster<std::uint64_t> decode_low_bits(int level, const Window& window) const;
   Raster<std::uint8_t> decode_mask(int level, const Window& window) const;
 
   TreeFile file_;

@@ -3,8 +3,10 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/codec/byte_stream.h"
+#include "core/codec/low_bits.h"
 #include "core/codec/predictive_encoder.h"
 #include "core/codec/value_map.h"
 #include "core/support/error.h"
@@ -20,8 +22,7 @@ BoundedMap choose_map(const TreeCells& cells, const TreeHeader& header, const Co
   if (target.kind == TreeClaim::lossless) {
     const std::optional<ValueMap> map = survey.lossless();
     if (!map)
-      throw Error(ErrorKind::input, "these 64-bit numbers have no lossless form here: they are neither 32-bit floats nor multiples of a common "
-                                    "quantum; give --max-error, as small as you need");
+      throw Error(ErrorKind::input, "these whole numbers span more than 31 bits: give --max-error, as small as you need");
     return {*map, 1};
   }
   const std::optional<BoundedMap> map = map_within(survey, target.value / cells.metres_per_stored);
@@ -29,6 +30,49 @@ BoundedMap choose_map(const TreeCells& cells, const TreeHeader& header, const Co
     throw Error(ErrorKind::input, "a largest error of " + std::to_string(target.value) + " m is below what " + std::string(name_of(header.type)) +
                                       " resolves at these elevations: give a larger one, or --lossless");
   return *map;
+}
+
+// The cells of level l that lie in `at`.
+Raster<double> read_level(const TreeCells& cells, int level, const Window& at) {
+  Raster<double> values(at.width, at.height);
+  if (level == 0) {
+    cells.stored->read_stored(at, values.view());
+    return values;
+  }
+  Raster<double> row(((at.width - 1) << level) + 1, 1);
+  for (std::int64_t y = 0; y < at.height; ++y) {
+    cells.stored->read_stored({at.x << level, (at.y + y) << level, row.width(), 1}, row.view());
+    for (std::int64_t x = 0; x < at.width; ++x) values(x, y) = row(x << level, 0);
+  }
+  return values;
+}
+
+// The lower bits of the cells that a node codes.
+std::vector<std::byte> pack_node(const TreeCells& cells, const ValueMap& map, const NodeGrid& grid, std::int64_t index) {
+  const NodeAddress node = grid.address(index);
+  const Raster<double> values = read_level(cells, node.level - 1, grid.cells(node));
+  std::vector<std::uint64_t> low;
+  for (std::int64_t y = 0; y < values.height(); ++y)
+    for (std::int64_t x = 0; x < values.width(); ++x)
+      if (x % 2 != 0 || y % 2 != 0) low.push_back(map.low_of(values(x, y)));
+  return pack_low_bits(low, map.low_bits);
+}
+
+std::vector<std::byte> pack_root(const TreeCells& cells, const ValueMap& map, const NodeGrid& grid) {
+  const Size size = grid.level_size(grid.levels());
+  const Raster<double> values = read_level(cells, grid.levels(), {0, 0, size.width, size.height});
+  std::vector<std::uint64_t> low;
+  for (std::int64_t i = 0; i < size.cells(); ++i) low.push_back(map.low_of(values.data()[i]));
+  return pack_low_bits(low, map.low_bits);
+}
+
+// Nodes of a map with lower bits carry these behind their numbers.
+NodeStore with_low_bits(const TreeCells& cells, const ValueMap& map, const NodeGrid& grid, NodeStore nodes) {
+  if (map.low_bits == 0) return nodes;
+  const auto add = [&cells, map, grid, nodes, index = std::int64_t{0}](std::vector<std::byte> stream) mutable {
+    nodes.add(join_number_parts({std::move(stream), pack_node(cells, map, grid, index++)}));
+  };
+  return {add, {}};
 }
 
 }  // namespace
@@ -48,7 +92,9 @@ FittedTree fit_predictive(const TreeCells& cells, const TreeHeader& header, cons
   coding.progress = [&](std::int64_t nodes) { told.advance(nodes); };
   TreeDraft draft(masks, options.scratch);
   told.begin("encoding", about.grid.node_count());
-  const PredictiveSummary summary = encode_predictive(MappedCells(cells, bounded.map), about.grid, coding, draft.nodes());
+  PredictiveSummary summary =
+      encode_predictive(MappedCells(cells, bounded.map), about.grid, coding, with_low_bits(cells, bounded.map, about.grid, draft.nodes()));
+  if (bounded.map.low_bits > 0) summary.root = join_number_parts({std::move(summary.root), pack_root(cells, bounded.map, about.grid)});
   told.end();
   ByteWriter parameters;
   put_value_map(bounded.map, parameters);

@@ -6,7 +6,7 @@
 namespace arete {
 
 /// A tree of the predictive coder: lossless, or with no cell further off than the target. Proven by decoding the file.
-/// Throws Error{input} where the stored numbers have no lossless form in 32 bits, or the bound is below what their type resolves.
+/// Throws Error{input} where whole numbers span more than 31 bits, or the bound is below what their type resolves.
 FittedTree fit_predictive(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress);
 
 }  // namespace arete

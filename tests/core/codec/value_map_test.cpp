@@ -69,7 +69,20 @@ TEST(ValueMap, OtherFloatsGoByTheirBits) {
 TEST(ValueMap, DoublesThatAreFloatsOrQuantised) {
   expect_lossless(*map_lossless(ValueType::float64, std::vector<double>{1.5F, 0.1F, 1e-20F}), {1.5F, 0.1F, 1e-20F});
   expect_lossless(*map_lossless(ValueType::float64, std::vector<double>{0.1, 0.2, 1234.7}), {0.1, 0.2, 1234.7});
-  EXPECT_FALSE(map_lossless(ValueType::float64, std::vector<double>{0.1, M_PI}).has_value());
+}
+
+TEST(ValueMap, OtherDoublesGoByTheirBitsInTwoParts) {
+  std::vector<std::vector<double>> cases{{0.1, M_PI}, {-1e300, 1e-310, 5e300}, {-0.0, M_PI, 0.0}, {std::numeric_limits<double>::lowest(), M_E, std::numeric_limits<double>::max()}};
+  cases.emplace_back();
+  for (std::uint64_t i = 0; i < 100; ++i) cases.back().push_back(1300 + uniform_at(1, i));
+  for (const std::vector<double>& values : cases) {
+    const std::optional<ValueMap> map = map_lossless(ValueType::float64, values);
+    ASSERT_TRUE(map);
+    EXPECT_EQ(map->kind, ValueMap::Kind::double_bits);
+    EXPECT_LE(map->low_bits, ValueMap::greatest_low_bits);
+    for (double value : values) EXPECT_EQ(std::bit_cast<std::uint64_t>(map->value_of(map->number_of(value), map->low_of(value))), std::bit_cast<std::uint64_t>(value)) << value;
+  }
+  EXPECT_EQ(map_lossless(ValueType::float64, {1e-310, 2e-310, M_PI})->low_of(none), 0U);
 }
 
 // Every n that the coder may turn a number into, after rounding to the type.
@@ -100,7 +113,8 @@ TEST(ValueMap, BoundsOfIntegersAreWholeSteps) {
 }
 
 TEST(ValueMap, ComesBackFromBytes) {
-  for (const ValueMap& map : {ValueMap{ValueMap::Kind::steps, ValueType::float32, -12345, 381, 1250}, ValueMap{ValueMap::Kind::float_bits, ValueType::float64, 1LL << 40}}) {
+  for (const ValueMap& map : {ValueMap{ValueMap::Kind::steps, ValueType::float32, -12345, 381, 1250}, ValueMap{ValueMap::Kind::float_bits, ValueType::float64, 1LL << 40},
+                              ValueMap{ValueMap::Kind::double_bits, ValueType::float64, -(1LL << 30), 1, 1, 33}}) {
     ByteWriter out;
     put_value_map(map, out);
     ByteReader in(out.bytes(), "x");

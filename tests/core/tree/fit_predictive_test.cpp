@@ -6,6 +6,7 @@
 
 #include "core/support/error.h"
 #include "core/support/random.h"
+#include "core/support/random.h"
 #include "tests/core/codec/codec_terrain.h"
 #include "tests/core/tree/tree_sources.h"
 
@@ -59,11 +60,27 @@ TEST(FitPredictive, NoCellBreaksTheBoundAndWiderBoundsAreSmaller) {
   }
 }
 
-TEST(FitPredictive, RefusesWhatHasNoForm) {
-  Raster<double> cells(4, 4, 0.1);
-  cells(1, 1) = M_PI;
-  const MemoryStored doubles(std::move(cells));
-  EXPECT_THROW(fit(doubles, ValueType::float64, {TreeClaim::lossless, 0}), Error);
+// Doubles with noise down to their last bit, with a hole, in several levels of nodes.
+TEST(FitPredictive, AnyDoublesAreLossless) {
+  Raster<double> cells(150, 90);
+  for (std::int64_t y = 0; y < 90; ++y)
+    for (std::int64_t x = 0; x < 150; ++x) cells(x, y) = x > 100 && y < 20 ? std::nan("") : 700 + 9 * std::sin(x * 0.1) + uniform_at(3, x, y);
+  const MemoryStored source(std::move(cells));
+  CompressOptions options;
+  options.target = {TreeClaim::lossless, 0};
+  options.node_side = 32;
+  const MadeTree made = make_tree(source, header_of(ValueType::float64), options);
+  EXPECT_EQ(made.report.differs, 0);
+  EXPECT_EQ(made.report.void_differs, 0);
+  const ElevationTree tree = open_tree(made);
+  const Window window{11, 23, 7, 9};  // of level 1
+  Raster<double> part(window.width, window.height);
+  tree.read_stored(1, window, part.view());
+  for (std::int64_t y = 0; y < window.height; ++y)
+    for (std::int64_t x = 0; x < window.width; ++x) EXPECT_EQ(part(x, y), source.cells()(2 * (window.x + x), 2 * (window.y + y)));
+}
+
+TEST(FitPredictive, RefusesABoundBelowTheTypesOwn) {
   EXPECT_THROW(fit(rounded(1e-5, false), ValueType::float32, {TreeClaim::max_error, 1e-6}), Error);
 }
 
