@@ -12,6 +12,7 @@
 #include "core/sparse/omp.h"
 #include "core/terrain/fill_voids.h"
 #include "gis/dem_file.h"
+#include "gis/dictionary_search.h"
 #include "tools/command.h"
 #include "tools/dem_options.h"
 #include "tools/exemplars.h"
@@ -54,7 +55,7 @@ void check_arguments(const AmplifyArguments& arguments) {
 }
 
 Dictionary obtain_dictionary(const AmplifyArguments& arguments, const DemReader& dem, const CommonOptions& common, Progress& progress) {
-  if (!arguments.dictionary.empty()) return read_dictionary(arguments.dictionary);
+  if (!arguments.dictionary.empty()) return read_dictionary(locate_dictionary(arguments.dictionary));
   LearnSettings settings;
   settings.factor = stage_factor(arguments.factor);
   settings.atoms = arguments.atoms;
@@ -173,7 +174,7 @@ void add_amplify(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_option("IN", a->input, "The DEM: anything that GDAL opens")->required();
   verb->add_option("OUT", a->output, "The finer DEM: a Cloud Optimized GeoTIFF, or by extension")->required();
   verb->add_option("--factor", a->factor, "How many times finer (default: 4); powers repeat, as 256 = 4 x 4 x 4 x 4")->check(CLI::Range(2, 4096));
-  verb->add_option("--dict", a->dictionary, "Dictionary made by 'arete learn'");
+  verb->add_option("--dict", a->dictionary, "Dictionary made by 'arete learn': a file, or the name of one that is shipped or in a folder of ARETE_DICTIONARIES");
   verb->add_option("--exemplar", a->exemplars, "Fine DEMs of the same kind of ground to learn from now");
   verb->add_option("--atoms", a->atoms, "Atoms to learn from the exemplars (default: 1024)")->check(CLI::Range(1, 1 << 20));
   verb->add_option("--method", a->method, "consistent: least-squares plus detail, keeps the input's means (default); paper: as published")

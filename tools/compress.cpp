@@ -3,13 +3,16 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <fmt/format.h>
 
+#include "core/sparse/dictionary_file.h"
 #include "core/support/file.h"
 #include "gis/crs.h"
 #include "gis/dem_file.h"
+#include "gis/dictionary_search.h"
 #include "tools/command.h"
 #include "tools/dem_options.h"
 #include "tools/stored_dem.h"
@@ -24,9 +27,13 @@ struct CompressArguments {
   DemReadOptions dem;
   double psnr = 0, rmse = 0, bytes = 0, bits_per_sample = 0, max_error = 0;
   bool lossless = false, fast = false;
-  std::string profile = "best", learning = "ksvd";
+  std::string profile = "best", learning = "ksvd", dictionary;
+  int radius = 0;  // 0: that of the dictionary, or the coder's default
   PatchCodingOptions patches;
 };
+
+// Farther from its own cells than this a dictionary's landforms are of another kind.
+constexpr double spacing_tolerance = 2;
 
 CompressionTarget target_of(const CompressArguments& arguments, const Size& size) {
   if (arguments.psnr > 0) return {TreeClaim::psnr, arguments.psnr};
@@ -51,6 +58,35 @@ TreeHeader header_of(const DemReader& dem) {
   return header;
 }
 
+void check_fit(const CompressArguments& arguments, const FoundDictionary& given, const DemReader& dem, const CommonOptions& common) {
+  const Dictionary& dictionary = given.dictionary;
+  const int radius = dictionary.patch_cells / 2;
+  if (radius < least_patch_radius || radius > greatest_patch_radius || dictionary.atoms() > most_patch_atoms)
+    throw Error(ErrorKind::usage, fmt::format("'{}' has {} atoms with a radius of {} cells: the paper's profile takes up to {} of {} to {} cells", given.path,
+                                              dictionary.atoms(), radius, most_patch_atoms, least_patch_radius, greatest_patch_radius));
+  if (arguments.radius != 0 && arguments.radius != radius)
+    throw Error(ErrorKind::usage, fmt::format("--radius is {} cells, the atoms of '{}' have {}: leave --radius out, or give another dictionary", arguments.radius,
+                                              given.path, radius));
+  if (dictionary.cell_size_m <= 0 || !dem.georeference().transform) return;
+  const CellSize cell = dem.cell_size();
+  const double ratio = std::sqrt(cell.x_m * cell.y_m) / dictionary.cell_size_m;
+  if (ratio > spacing_tolerance || ratio < 1 / spacing_tolerance)
+    warn(common, fmt::format("'{}' holds landforms on cells of {:.4g} m, '{}' has cells of {:.4g} m: a dictionary of {:.4g} to {:.4g} m fits it better", given.path,
+                             dictionary.cell_size_m, arguments.input, ratio * dictionary.cell_size_m, ratio * dictionary.cell_size_m / spacing_tolerance,
+                             ratio * dictionary.cell_size_m * spacing_tolerance));
+}
+
+// The dictionary that the command line names, with the sizes of its file.
+std::optional<FoundDictionary> read_given(const CompressArguments& arguments, const DemReader& dem, const CommonOptions& common) {
+  if (arguments.dictionary.empty()) return std::nullopt;
+  if (arguments.profile != "paper") throw Error(ErrorKind::usage, "--dictionary is of --profile paper: the other coders have none");
+  const std::string path = locate_dictionary(arguments.dictionary);
+  FoundDictionary given{path, 0, read_dictionary(path)};
+  given.bytes = std::filesystem::file_size(path);
+  check_fit(arguments, given, dem, common);
+  return given;
+}
+
 void run_compress(const CompressArguments& arguments, const CommonOptions& common) {
   check_output_file(arguments.output, common.overwrite);
   const DemReader dem(arguments.input, arguments.dem);
@@ -61,6 +97,13 @@ void run_compress(const CompressArguments& arguments, const CommonOptions& commo
   options.patches = arguments.patches;
   options.patches.learning = arguments.learning == "ksvd" ? PatchLearning::ksvd : PatchLearning::constrained;
   options.patches.seed = common.seed;
+  if (arguments.radius != 0) options.patches.radius = arguments.radius;
+  const std::optional<FoundDictionary> given = read_given(arguments, dem, common);
+  if (given) {
+    options.patches.dictionary = &given->dictionary.low;
+    options.patches.dictionary_name = dictionary_digest(given->dictionary);
+    options.patches.radius = given->dictionary.patch_cells / 2;
+  }
   options.threads = common.threads;
   // A quarter of the memory is for what GDAL keeps of the input, another for the program itself.
   limit_block_cache(common.memory_bytes / 4);
@@ -70,7 +113,8 @@ void run_compress(const CompressArguments& arguments, const CommonOptions& commo
   const CompressionReport report =
       compress(StoredDem(dem), header_of(dem), options, [&](std::span<const std::byte> bytes) { file.write(bytes); }, progress.get());
   file.commit();
-  const FileReport said = describe_compression(arguments.input, arguments.output, dem.value_type(), report);
+  FileReport said = describe_compression(arguments.input, arguments.output, dem.value_type(), report);
+  if (given) add_dictionary(said, report.errors, options.patches.dictionary_name, *given);
   print_result(common, said.text, said.data);
 }
 
@@ -94,10 +138,16 @@ void add_compress(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_flag("--fast", arguments->fast, "Encode in half the time, for a file larger by 1 %");
   CLI::Option* profile = verb->add_option("--profile", arguments->profile, "best, or paper: the published model, which needs more bytes for less")
                              ->check(CLI::IsMember({"best", "paper"}));
-  verb->add_option("--atoms", arguments->patches.atoms, "Of the paper's profile: atoms of the dictionary")->check(CLI::Range(1, 65535))->needs(profile);
+  CLI::Option* atoms =
+      verb->add_option("--atoms", arguments->patches.atoms, "Of the paper's profile: atoms of the dictionary")->check(CLI::Range(1, 65535))->needs(profile);
   verb->add_option("--sparsity", arguments->patches.sparsity, "The most coefficients of a disc")->check(CLI::Range(1, 64))->needs(profile);
-  verb->add_option("--radius", arguments->patches.radius, "Radius of a disc in cells")->check(CLI::Range(2, 32))->needs(profile);
-  verb->add_option("--learning", arguments->learning, "How the dictionary is learned")->check(CLI::IsMember({"ksvd", "constrained"}))->needs(profile);
+  verb->add_option("--radius", arguments->radius, "Radius of a disc in cells")->check(CLI::Range(2, 32))->needs(profile);
+  CLI::Option* learning =
+      verb->add_option("--learning", arguments->learning, "How the dictionary is learned")->check(CLI::IsMember({"ksvd", "constrained"}))->needs(profile);
+  verb->add_option("--dictionary", arguments->dictionary,
+                   "Take the atoms of this dictionary, a file or the name of a shipped one, and name it in the tree instead of storing them; readers find it "
+                   "beside the tree, in a folder of the environment variable ARETE_DICTIONARIES (':' between them), or among the shipped")
+      ->needs(profile)->excludes(atoms)->excludes(learning);
   add_dem_options(verb, arguments->dem);
 }
 

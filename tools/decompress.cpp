@@ -9,6 +9,7 @@
 #include "core/tree/elevation_tree.h"
 #include "gis/crs.h"
 #include "gis/dem_file.h"
+#include "gis/dictionary_search.h"
 #include "tools/command.h"
 #include "tools/verbs.h"
 
@@ -39,7 +40,7 @@ GeoReference georeference_of(const TreeHeader& header, int level, const Window& 
 }
 
 void run_decompress(const DecompressArguments& arguments, const CommonOptions& common) {
-  const ElevationTree tree = ElevationTree::open(arguments.input, common.threads);
+  const ElevationTree tree = ElevationTree::open(arguments.input, common.threads, dictionary_finder(arguments.input));
   const TreeHeader& header = tree.header();
   if (arguments.level > tree.levels())
     throw Error(ErrorKind::usage, fmt::format("'{}' has levels 0 to {}, --level {} is beyond them", arguments.input, tree.levels(), arguments.level));

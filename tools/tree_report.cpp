@@ -1,6 +1,7 @@
 #include "tools/tree_report.h"
 
 #include <cmath>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -79,6 +80,37 @@ FileReport describe_compression(const std::string& input, const std::string& out
   return said;
 }
 
+void add_dictionary(FileReport& said, const TreeErrors& errors, const std::string& digest, const FoundDictionary& dictionary) {
+  const std::uint64_t both = errors.bytes + dictionary.bytes;
+  const double bits = 8 * static_cast<double>(both) / static_cast<double>(errors.cells);
+  said.text += fmt::format("with the dictionary that it needs, '{}' ({}): {}, {:.4g} bits per cell\n", dictionary.path, digest,
+                           readable_bytes(static_cast<std::int64_t>(both)), bits);
+  said.data.update({{"dictionary", digest},
+                    {"dictionary_file", dictionary.path},
+                    {"dictionary_bytes", dictionary.bytes},
+                    {"bytes_with_dictionary", both},
+                    {"bits_per_sample_with_dictionary", bits}});
+}
+
+namespace {
+
+// Where the dictionary is that a tree names, if it names one.
+void add_named_dictionary(FileReport& said, const std::string& path, const TreeFile& file) {
+  if (file.header().coder != TreeCoder::patches) return;
+  const std::string digest = named_dictionary(file.header().parameters);
+  if (digest.empty()) return;
+  const std::optional<FoundDictionary> found = find_dictionary(digest, path);
+  said.data["dictionary"] = digest;
+  if (!found) {
+    said.text += fmt::format("needs the dictionary {}, which is in none of the folders that are searched\n", digest);
+    return;
+  }
+  said.text += fmt::format("needs the dictionary {}: '{}', {}\n", digest, found->path, readable_bytes(static_cast<std::int64_t>(found->bytes)));
+  said.data.update({{"dictionary_file", found->path}, {"dictionary_bytes", found->bytes}, {"bytes_with_dictionary", file.bytes() + found->bytes}});
+}
+
+}  // namespace
+
 FileReport describe_tree(const InfoOptions& options, const CommonOptions&) {
   const TreeFile file(open_bytes(options.file), options.file);
   const TreeHeader& header = file.header();
@@ -116,6 +148,7 @@ FileReport describe_tree(const InfoOptions& options, const CommonOptions&) {
   if (header.claim > TreeClaim::lossless) said.data["claimed"] = header.claimed;
   if (header.geo.transform) said.data["transform"] = *header.geo.transform;
   if (header.geo.nodata) said.data["nodata"] = *header.geo.nodata;
+  add_named_dictionary(said, options.file, file);
   return said;
 }
 

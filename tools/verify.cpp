@@ -5,6 +5,7 @@
 
 #include "core/tree/measure.h"
 #include "gis/dem_file.h"
+#include "gis/dictionary_search.h"
 #include "tools/command.h"
 #include "tools/dem_options.h"
 #include "tools/stored_dem.h"
@@ -39,7 +40,7 @@ FileReport check_against(const ElevationTree& tree, const VerifyArguments& argum
 }
 
 void run_verify(const VerifyArguments& arguments, const CommonOptions& common) {
-  const ElevationTree tree = ElevationTree::open(arguments.tree, common.threads);
+  const ElevationTree tree = ElevationTree::open(arguments.tree, common.threads, dictionary_finder(arguments.tree));
   tree.verify_checksums();
   const std::string sound = fmt::format("{}: all {} nodes agree with their checksums\n", arguments.tree, tree.file().nodes().size());
   FileReport said{sound, {{"file", arguments.tree}, {"nodes", tree.file().nodes().size()}}};

@@ -12,6 +12,7 @@ namespace arete {
 namespace {
 
 constexpr std::size_t digest_bytes = 16;
+constexpr std::size_t place_at = 16;  // bytes before the place of the dictionary
 constexpr float greatest_quantum = 1e30F;
 
 // --- reading within limits
@@ -51,8 +52,8 @@ std::string get_digest(ByteReader& in) {
   return digest;
 }
 
-PatchAtoms find_atoms(const std::string& digest, int side, std::int64_t count, const DictionaryFinder& find) {
-  if (!find) throw Error(ErrorKind::input, "the tree needs the dictionary " + digest + ": say where it is");
+PatchAtoms find_atoms(const std::string& digest, int side, std::int64_t count, const std::string& name, const DictionaryFinder& find) {
+  if (!find) throw Error(ErrorKind::input, "'" + name + "' needs the dictionary " + digest + ", which is not here");
   const Eigen::MatrixXf low = find(digest);
   if (low.rows() != std::int64_t{side} * side || low.cols() != count)
     throw Error(ErrorKind::input, "dictionary " + digest + ": expected " + std::to_string(count) + " atoms of " + std::to_string(side) + " x " +
@@ -91,6 +92,12 @@ PatchAtoms round_atoms(const Eigen::MatrixXf& low) {
   return atoms;
 }
 
+std::string named_dictionary(std::span<const std::byte> parameters) {
+  if (parameters.size() != place_at + 1 + digest_bytes || parameters[place_at] != std::byte{1}) return {};
+  ByteReader in(parameters.last(digest_bytes), "the parameters");
+  return get_digest(in);
+}
+
 std::vector<std::byte> serialise_patch_parameters(const PatchParameters& parameters) {
   ByteWriter out;
   out.put_u8(static_cast<std::uint8_t>(parameters.radius));
@@ -123,7 +130,7 @@ PatchParameters parse_patch_parameters(std::span<const std::byte> bytes, const s
   if (elsewhere) {
     parameters.dictionary = get_digest(in);
     if (in.left() > 0) in.fail("its parameters are followed by " + std::to_string(in.left()) + " bytes too many");
-    parameters.atoms = find_atoms(parameters.dictionary, side, count, find);
+    parameters.atoms = find_atoms(parameters.dictionary, side, count, name, find);
     return parameters;
   }
   const std::int64_t least = least_atom_bytes(side, count);

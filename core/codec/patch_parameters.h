@@ -53,6 +53,9 @@ std::int64_t disc_samples(int side);
 /// Gives the atoms (`Dictionary::low`) of a dictionary by its digest, or throws. May be empty: then named dictionaries are refused.
 using DictionaryFinder = std::function<Eigen::MatrixXf(const std::string& digest)>;
 
+/// The digest of the dictionary that parameters name, without looking for it; empty where they hold the atoms, or end early.
+std::string named_dictionary(std::span<const std::byte> parameters);
+
 std::vector<std::byte> serialise_patch_parameters(const PatchParameters& parameters);
 
 /// The inverse. Safe for untrusted bytes: memory stays below 512 times their number, beside the dictionary that `find` gives.

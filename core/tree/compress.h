@@ -21,7 +21,7 @@ struct CompressionTarget {
 /// How a tree is filled.
 enum class TreeProfile {
   best,   ///< the smallest file: wavelet or predictive, as the target asks
-  paper,  ///< the published model, learned on the raster itself; `target` is not used
+  paper,  ///< the published model, a dictionary learned on the raster, or given; `target` is not used
 };
 
 struct CompressOptions {

@@ -8,7 +8,6 @@
 #include "core/codec/low_bits.h"
 #include "core/codec/patch_coder.h"
 #include "core/codec/void_mask_coder.h"
-#include "core/support/error.h"
 #include "core/support/parallel.h"
 
 namespace arete {
@@ -73,7 +72,7 @@ Raster<T> crop_to(const Raster<T>& cells, const Window& at, const Window& window
 
 }  // namespace
 
-ElevationTree::ElevationTree(TreeFile file, int threads) : file_(std::move(file)), threads_(threads) {
+ElevationTree::ElevationTree(TreeFile file, int threads, const DictionaryFinder& find) : file_(std::move(file)), threads_(threads) {
   const TreeHeader& about = header();
   switch (about.coder) {
     case TreeCoder::wavelet:
@@ -86,14 +85,14 @@ ElevationTree::ElevationTree(TreeFile file, int threads) : file_(std::move(file)
       break;
     }
     case TreeCoder::patches:
-      patches_ = parse_patch_parameters(about.parameters, file_.name(), about.grid, [this](const std::string& digest) -> Eigen::MatrixXf {
-        throw Error(ErrorKind::input, "'" + file_.name() + "' needs the dictionary " + digest + ", which is not here");
-      });
+      patches_ = parse_patch_parameters(about.parameters, file_.name(), about.grid, find);
       break;
   }
 }
 
-ElevationTree ElevationTree::open(const std::string& path, int threads) { return ElevationTree(TreeFile(open_bytes(path), path), threads); }
+ElevationTree ElevationTree::open(const std::string& path, int threads, const DictionaryFinder& find) {
+  return ElevationTree(TreeFile(open_bytes(path), path), threads, find);
+}
 
 Raster<double> ElevationTree::decode_numbers(int level, const Window& window) const {
   const bool has_low = map_.low_bits > 0;

@@ -21,9 +21,10 @@ namespace arete {
 /// node is an Error{damaged}, never wrong values.
 class ElevationTree final : public RasterSource {
  public:
-  /// Reads the directory. Throws as TreeFile.
-  explicit ElevationTree(TreeFile file, int threads = 1);
-  static ElevationTree open(const std::string& path, int threads = 1);
+  /// Reads the directory. Where it names a dictionary (the paper's profile), `find` gives it. Throws as TreeFile,
+  /// parse_patch_parameters and `find`.
+  explicit ElevationTree(TreeFile file, int threads = 1, const DictionaryFinder& find = {});
+  static ElevationTree open(const std::string& path, int threads = 1, const DictionaryFinder& find = {});
 
   const TreeHeader& header() const { return file_.header(); }
   const TreeFile& file() const { return file_; }

@@ -7,7 +7,6 @@
 #include "core/terrain/raster_io.h"
 
 namespace arete {
-
 FittedTree fit_patches(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress) {
   NoProgress silent;
   PatchCodingOptions coding = options.patches;
@@ -30,7 +29,8 @@ FittedTree fit_patches(const TreeCells& cells, const TreeHeader& header, const C
   TreeDraft draft(masks, options.scratch);
   for (const std::vector<std::byte>& stream : streams.nodes) draft.nodes().add(stream);
   FittedTree fitted{draft.finish(about, streams.root), {}, about.coder, {}};
-  fitted.errors = measure_file(cells, fitted.file, options.scratch, options.threads);
+  const auto given = [&](const std::string&) { return *coding.dictionary; };
+  fitted.errors = measure_file(cells, fitted.file, options.scratch, options.threads, given);
   const PatchAtoms& atoms = streams.parameters.atoms;
   fitted.value_ratio = value_ratio(atoms.count, disc_samples(atoms.side), streams.discs, streams.parameters.sparsity, cells.size().cells());
   return fitted;

@@ -46,8 +46,9 @@ std::shared_ptr<const ByteSource> TreeDraft::finish(TreeHeader header, const std
   return bytes_;
 }
 
-TreeErrors measure_file(const TreeCells& cells, const std::shared_ptr<const ByteSource>& file, const Scratch& scratch, int threads) {
-  return measure_tree(ElevationTree(TreeFile(file, draft_name), threads), *cells.stored, scratch.memory_bytes / 2);
+TreeErrors measure_file(const TreeCells& cells, const std::shared_ptr<const ByteSource>& file, const Scratch& scratch, int threads,
+                        const DictionaryFinder& find) {
+  return measure_tree(ElevationTree(TreeFile(file, draft_name), threads, find), *cells.stored, scratch.memory_bytes / 2);
 }
 
 }  // namespace arete

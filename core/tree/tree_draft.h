@@ -38,7 +38,8 @@ struct FittedTree {
   std::optional<ValueRatio> value_ratio;
 };
 
-/// What a reader of the file will find, against the original.
-TreeErrors measure_file(const TreeCells& cells, const std::shared_ptr<const ByteSource>& file, const Scratch& scratch, int threads);
+/// What a reader of the file will find, against the original. `find` gives the dictionary where the file names one.
+TreeErrors measure_file(const TreeCells& cells, const std::shared_ptr<const ByteSource>& file, const Scratch& scratch, int threads,
+                        const DictionaryFinder& find = {});
 
 }  // namespace arete

@@ -104,6 +104,62 @@ TEST_F(CompressVerb, RefusesInOneLine) {
   }
 }
 
+// A small dictionary on the mountains' own scale: the tree names it, and every reader finds it where it lies.
+TEST_F(CompressVerb, NamesADictionaryThatReadersFind) {
+  const std::string dem = write_mountains("dem.tif", {160, 120});
+  ASSERT_EQ(run("learn " + dem + " " + path("own.atoms") + " --factor 2 --atoms 24").code, 0);
+  const Outcome made = run("compress " + dem + " " + path("dem.sct") + " --profile paper --sparsity 2 --dictionary " + path("own.atoms") + " --json");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const auto said = nlohmann::json::parse(made.out);
+  const auto dictionary_bytes = std::filesystem::file_size(path("own.atoms")), tree_bytes = std::filesystem::file_size(path("dem.sct"));
+  EXPECT_EQ(said["bytes"], tree_bytes);
+  EXPECT_EQ(said["bytes_with_dictionary"], tree_bytes + dictionary_bytes);
+  EXPECT_EQ(said["dictionary"], nlohmann::json::parse(run("info --json " + path("own.atoms")).out)["digest"]);
+
+  const auto info = nlohmann::json::parse(run("info --json " + path("dem.sct")).out);
+  EXPECT_EQ(info["dictionary"], said["dictionary"]);
+  EXPECT_EQ(info["bytes_with_dictionary"], said["bytes_with_dictionary"]);
+  const std::vector<std::string> readers = {"verify " + path("dem.sct") + " --dem " + dem, "sample " + path("dem.sct") + " --cells --point 50.5 60.5",
+                                            "decompress " + path("dem.sct") + " " + path("back.tif") + " --overwrite"};
+  for (const std::string& reader : readers) {
+    const Outcome outcome = run(reader);
+    EXPECT_EQ(outcome.code, 0) << reader << "\n" << outcome.err;
+  }
+
+  std::filesystem::create_directories(path("elsewhere"));
+  std::filesystem::rename(path("own.atoms"), path("elsewhere/own.atoms"));
+  for (const std::string& reader : readers) {
+    const Outcome outcome = run(reader);
+    EXPECT_EQ(outcome.code, 3) << reader;
+    EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+    EXPECT_NE(outcome.err.find(said["dictionary"].get<std::string>()), std::string::npos) << outcome.err;
+  }
+  EXPECT_EQ(run("info " + path("dem.sct")).code, 0);
+  setenv("ARETE_DICTIONARIES", path("elsewhere").c_str(), 1);
+  for (const std::string& reader : readers) EXPECT_EQ(run(reader).code, 0) << reader;
+  EXPECT_EQ(run("compress " + dem + " " + path("again.sct") + " --profile paper --sparsity 2 --dictionary own").code, 0);
+  unsetenv("ARETE_DICTIONARIES");
+  EXPECT_EQ(read(path("again.sct")), read(path("dem.sct")));
+}
+
+TEST_F(CompressVerb, SaysWhatADictionaryFits) {
+  const std::string dem = write_mountains("dem.tif", {160, 120});
+  ASSERT_EQ(run("learn " + dem + " " + path("own.atoms") + " --factor 4 --atoms 24").code, 0);
+  const std::string paper = "compress " + dem + " " + path("dem.sct") + " --profile paper --dictionary ";
+  const Outcome radius = run(paper + path("own.atoms") + " --radius 7");
+  EXPECT_EQ(radius.code, 2);
+  EXPECT_NE(radius.err.find("have 3"), std::string::npos) << radius.err;
+  const Outcome missing = run(paper + "nothing");
+  EXPECT_EQ(missing.code, 3);
+  EXPECT_EQ(missing.error_lines(), 1);
+  EXPECT_EQ(run(paper + path("own.atoms") + " --atoms 9").code, 2);
+  EXPECT_EQ(run("compress " + dem + " " + path("dem.sct") + " --profile best --dictionary " + path("own.atoms")).code, 2);
+  // Landforms on cells of 120 m, a DEM of 30 m.
+  const Outcome spacing = run(paper + path("own.atoms"));
+  EXPECT_EQ(spacing.code, 0) << spacing.err;
+  EXPECT_NE(spacing.err.find("15 to 60 m"), std::string::npos) << spacing.err;
+}
+
 TEST_F(CompressVerb, VerifyNoticesAnotherDem) {
   const std::string dem = write_mountains("dem.tif", {60, 60});
   const std::string other = write_mountains("other.tif", {60, 60}, 2);

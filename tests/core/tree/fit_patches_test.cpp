@@ -43,5 +43,38 @@ TEST(FitPatches, SaysWhenTheRasterDoesNotFit) {
   }
 }
 
+TEST(FitPatches, AGivenDictionaryIsNamedAndNotStored) {
+  const Raster<float> terrain = codec_terrain(120, 100);
+  Raster<double> stored(120, 100);
+  for (std::int64_t i = 0; i < terrain.size().cells(); ++i) stored.data()[i] = terrain.data()[i];
+  const TreeHeader header;
+  const TreeCells cells = read_tree_cells(MemoryStored(stored.clone()), header, {});
+  Eigen::MatrixXf atoms = Eigen::MatrixXf::Zero(64, 3);
+  for (Eigen::Index i = 0; i < 64; ++i) atoms.row(i) << static_cast<float>(i % 8) - 3.5F, static_cast<float>(i / 8) - 3.5F, (i % 8 < 4) == (i < 32) ? 1.0F : -1.0F;
+  atoms.colwise().normalize();
+  CompressOptions options;
+  options.profile = TreeProfile::paper;
+  options.patches.radius = 4;
+  options.patches.dictionary = &atoms;
+  options.patches.dictionary_name = "00112233445566778899aabbccddeeff";
+  const FittedTree fitted = fit_patches(cells, header, options, nullptr);
+
+  std::vector<std::string> asked;
+  const auto find = [&](const std::string& digest) {
+    asked.push_back(digest);
+    return atoms;
+  };
+  const ElevationTree tree(TreeFile(fitted.file, "named.sct"), 1, find);
+  EXPECT_EQ(asked, std::vector{options.patches.dictionary_name});
+  EXPECT_EQ(named_dictionary(tree.header().parameters), options.patches.dictionary_name);
+  EXPECT_EQ(measure_tree(tree, MemoryStored(std::move(stored)), 1 << 24).rmse_m, fitted.errors.rmse_m);
+  EXPECT_LT(fitted.errors.rmse_m, 30);
+  EXPECT_THROW(ElevationTree(TreeFile(fitted.file, "named.sct")), Error);
+
+  options.patches.dictionary_name.clear();
+  const FittedTree whole = fit_patches(cells, header, options, nullptr);
+  EXPECT_EQ(named_dictionary(TreeFile(whole.file, "whole.sct").header().parameters), "");
+}
+
 }  // namespace
 }  // namespace arete
