@@ -1,4 +1,9 @@
+#include <cmath>
+
 #include <nlohmann/json.hpp>
+
+#include "core/terrain/value_type.h"
+#include "core/tree/elevation_tree.h"
 
 #include "tests/tools/verb_fixture.h"
 
@@ -101,6 +106,43 @@ TEST_F(CompressVerb, RefusesInOneLine) {
     EXPECT_EQ(outcome.error_lines(), 1) << arguments << "\n" << outcome.err;
     EXPECT_EQ(outcome.out, "") << arguments;
     EXPECT_EQ(entries(), before) << arguments;
+  }
+}
+
+// The nodata value lies amid the elevations, as 0 does on a coast: cells that are decoded to it stay elevations, the next value of their type.
+TEST_F(CompressVerb, NoCellIsVoidBecauseItIsDecodedToTheNodataValue) {
+  constexpr double nodata = 100;
+  for (const std::string type : {"Byte", "Int16", "UInt16", "Int32", "UInt32", "Float32", "Float64"}) {
+    SCOPED_TRACE(type);
+    const Size size{90, 70};
+    Raster<double> cells(size.width, size.height);
+    for (std::int64_t y = 0; y < size.height; ++y)
+      for (std::int64_t x = 0; x < size.width; ++x) {
+        const double height = std::round(nodata + 12 * std::sin(0.1 * static_cast<double>(x)) * std::cos(0.13 * static_cast<double>(y)));
+        cells(x, y) = x > 60 && y < 20 ? std::nan("") : height == nodata ? nodata + (x % 2 ? 1 : -1) : height;
+      }
+    GeoReference geo;
+    geo.nodata = nodata;
+    DemWriter writer(path("dem.tif"), size, geo, {.overwrite = true, .type = *value_type_named(type)});
+    writer.write_stored({0, 0, size.width, size.height}, cells.view());
+    writer.commit();
+    ASSERT_EQ(run("compress " + path("dem.tif") + " " + path("dem.sct") + " --overwrite --max-error 3").code, 0);
+    ASSERT_EQ(run("decompress " + path("dem.sct") + " " + path("back.tif") + " --overwrite").code, 0);
+
+    Raster<double> decoded(size.width, size.height), back(size.width, size.height);
+    ElevationTree::open(path("dem.sct")).read_stored(0, {0, 0, size.width, size.height}, decoded.view());
+    const DemReader written(path("back.tif"));
+    written.read_stored({0, 0, size.width, size.height}, back.view());
+    EXPECT_EQ(written.georeference().nodata, nodata);
+    int moved = 0;
+    for (std::int64_t i = 0; i < size.cells(); ++i) {
+      ASSERT_EQ(std::isnan(back.data()[i]), std::isnan(cells.data()[i])) << i;
+      if (std::isnan(back.data()[i])) continue;
+      const double next = type == "Float32" ? static_cast<double>(std::nextafterf(100, 200)) : type == "Float64" ? std::nextafter(100.0, 200.0) : 101;
+      ASSERT_EQ(back.data()[i], decoded.data()[i] == nodata ? next : decoded.data()[i]) << i;
+      moved += decoded.data()[i] == nodata;
+    }
+    EXPECT_GT(moved, 10) << "nothing was tested";
   }
 }
 
