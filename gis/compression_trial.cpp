@@ -34,24 +34,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-void compare_cells(const TestedTerrain& terrain, const Raster<float>& decoded, Measurement& measurement) {
-  double squares = 0;
-  for (std::int64_t y = 0; y < decoded.height(); ++y) {
-    double row = 0;
-    for (std::int64_t x = 0; x < decoded.width(); ++x) {
-      const float truth = terrain.cells(x, y);
-      if (is_void(truth)) continue;
-      const double error = static_cast<double>(decoded(x, y)) - static_cast<double>(truth);
-      row += error * error;
-      measurement.max_error_m = std::isfinite(error) ? std::max(measurement.max_error_m, std::abs(error)) : infinity;
-    }
-    squares += row;
-  }
-  measurement.rmse_m = std::isfinite(measurement.max_error_m) ? std::sqrt(squares / static_cast<double>(terrain.valid)) : infinity;
-  const double peak = static_cast<double>(terrain.high) - static_cast<double>(terrain.low);
-  measurement.psnr_db = measurement.rmse_m == 0 ? infinity : 20 * std::log10(peak / measurement.rmse_m);
-}
-
 /// Nothing where the codec says that it cannot reach the target.
 std::optional<Measurement> try_measure(const CodecUnderTest& codec, const TestedTerrain& terrain, CodingTarget target, int repeats, int threads) {
   if (!codec.can(terrain, target)) return std::nullopt;
@@ -168,6 +150,24 @@ std::vector<RatePoint> CodecTrial::points() const {
   for (const Measurement& measurement : curve)
     if (std::isfinite(measurement.psnr_db)) points.push_back({measurement.bits, measurement.psnr_db});
   return points;
+}
+
+void compare_cells(const TestedTerrain& terrain, const Raster<float>& decoded, Measurement& measurement) {
+  double squares = 0;
+  for (std::int64_t y = 0; y < decoded.height(); ++y) {
+    double row = 0;
+    for (std::int64_t x = 0; x < decoded.width(); ++x) {
+      const float truth = terrain.cells(x, y);
+      if (is_void(truth)) continue;
+      const double error = static_cast<double>(decoded(x, y)) - static_cast<double>(truth);
+      row += error * error;
+      measurement.max_error_m = std::isfinite(error) ? std::max(measurement.max_error_m, std::abs(error)) : infinity;
+    }
+    squares += row;
+  }
+  measurement.rmse_m = std::isfinite(measurement.max_error_m) ? std::sqrt(squares / static_cast<double>(terrain.valid)) : infinity;
+  const double peak = static_cast<double>(terrain.high) - static_cast<double>(terrain.low);
+  measurement.psnr_db = measurement.rmse_m == 0 ? infinity : 20 * std::log10(peak / measurement.rmse_m);
 }
 
 Measurement measure_codec(const CodecUnderTest& codec, const TestedTerrain& terrain, CodingTarget target, int repeats, int threads) {

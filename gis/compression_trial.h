@@ -21,6 +21,9 @@ struct Measurement {
   double encode_s = 0, decode_s = 0;  ///< medians
 };
 
+/// Fills in RMSE, PSNR and largest error of a decoded raster over the terrain's valid cells.
+void compare_cells(const TestedTerrain& terrain, const Raster<float>& decoded, Measurement& measurement);
+
 /// Encodes and decodes `repeats` times (at least 1) for the times; the first decode is compared. Throws as the codec.
 Measurement measure_codec(const CodecUnderTest& codec, const TestedTerrain& terrain, CodingTarget target, int repeats, int threads);
 

@@ -25,7 +25,7 @@ struct BenchOptions {
   std::vector<std::string> paths;  // DEM... OUT
   std::vector<std::string> peers;
   std::vector<double> rates, bounds;
-  bool lossless = false, fill = false;
+  bool lossless = false, fill = false, paper = false;
   int repeats = 3;
   DemReadOptions reading;
 };
@@ -101,9 +101,10 @@ std::vector<std::string> make_labels(const std::vector<std::string>& paths) {
 BenchedDem bench_dem(const std::string& path, const std::string& label, const Codecs& codecs, const BenchOptions& options, const CommonOptions& common,
                      Progress& progress) {
   const TestedTerrain terrain = read_terrain(path, options.reading, options.fill);
-  BenchedDem dem{path, label, terrain.cells.size(), terrain.valid, terrain.low, terrain.high, terrain.quantum, make_plan(options, terrain, common), {}};
-  progress.begin(label, trial_steps(dem.plan) * static_cast<std::int64_t>(codecs.size()));
+  BenchedDem dem{path, label, terrain.cells.size(), terrain.valid, terrain.low, terrain.high, terrain.quantum, make_plan(options, terrain, common), {}, {}};
+  progress.begin(label, trial_steps(dem.plan) * static_cast<std::int64_t>(codecs.size()) + (options.paper ? std::ssize(paper_sparsities) : 0));
   for (const auto& codec : codecs) dem.trials.push_back(try_codec(*codec, terrain, dem.plan, progress));
+  if (options.paper) dem.paper = try_paper_profile(terrain, *make_openjpeg_codec(), dem.plan.threads, progress);
   progress.end();
   return dem;
 }
@@ -123,6 +124,7 @@ void write_plot(const OutputFolder& folder, const std::string& name, const LineP
 void write_plots(const OutputFolder& folder, const BenchedDem& dem) {
   if (!dem.plan.rates.empty()) write_plot(folder, dem.label + "-psnr", psnr_plot(dem));
   if (!dem.plan.rates.empty() || !dem.plan.bounds_m.empty()) write_plot(folder, dem.label + "-max-error", max_error_plot(dem));
+  if (!dem.plan.bounds_m.empty()) write_plot(folder, dem.label + "-bounds", bound_plot(dem));
 }
 
 void run_bench(const BenchOptions& options, const CommonOptions& common) {
@@ -142,6 +144,7 @@ void run_bench(const BenchOptions& options, const CommonOptions& common) {
   data["command"] = common.command_line;
   data["version"] = ARETE_VERSION;
   write_text(folder.file("results.csv"), bench_csv(dems));
+  if (options.paper) write_text(folder.file("paper.csv"), paper_csv(dems));
   for (const BenchedDem& dem : dems) write_plots(folder, dem);
   write_text(folder.file("report.html"), write_html(bench_page(dems, common.command_line)));
   write_text(folder.file("results.json"), data.dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
@@ -169,6 +172,7 @@ void add_bench(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_option("--bounds", options->bounds, "Measure size at these strict errors in metres; default: five that suit the relief")
       ->delimiter(',')->check(CLI::NonNegativeNumber)->type_name("LIST");
   verb->add_flag("--lossless", options->lossless, "Measure lossless size. Where --rates, --bounds or --lossless is given, only those parts are run");
+  verb->add_flag("--paper", options->paper, "Add the published sparse tree (128 atoms; 1, 2 and 8 coefficients) beside JPEG 2000 in as many bytes; takes minutes");
   verb->add_flag("--fill", options->fill, "Interpolate voids first, so that every codec gets the same raster and none pays for a mask");
   verb->add_option("--repeats", options->repeats, "Runs that times are the median of; default: 3")->check(CLI::Range(1, 99))->type_name("N");
 }

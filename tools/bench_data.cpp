@@ -73,6 +73,11 @@ nlohmann::json trial_json(const BenchedDem& dem, const CodecTrial& trial) {
   return data;
 }
 
+nlohmann::json paper_json(const PaperRow& row) {
+  return {{"atoms", paper_atoms}, {"sparsity", row.sparsity}, {"value_ratio_formula", row.ratio.printed}, {"value_ratio_table", row.ratio.tabulated},
+          {"tree", measurement_json(row.tree)}, {"jpeg2000", measurement_json(row.jpeg2000)}};
+}
+
 /// A table for a terminal: a head, and a row of cells per codec.
 std::string text_table(const std::vector<CodecTrial>& trials, const std::string& head, const std::vector<std::string>& columns,
                        const std::function<std::vector<std::string>(const CodecTrial&)>& cells) {
@@ -85,6 +90,18 @@ std::string text_table(const std::vector<CodecTrial>& trials, const std::string&
   };
   std::string text = line(head, columns);
   for (const CodecTrial& trial : trials) text += line(trial.title, cells(trial));
+  return text + "\n";
+}
+
+std::string paper_text(const std::vector<PaperRow>& rows) {
+  std::string text = "  paper's profile, " + std::to_string(paper_atoms) + " atoms: ";
+  for (const std::string& column : paper_columns) text += (&column == &paper_columns.front() ? "" : " | ") + column;
+  text += "\n";
+  for (const PaperRow& row : rows) {
+    std::string line;
+    for (const std::string& cell : paper_cells(row)) line += (line.empty() ? "    " : " | ") + cell;
+    text += line + "\n";
+  }
   return text + "\n";
 }
 
@@ -151,6 +168,17 @@ std::string bench_csv(const std::vector<BenchedDem>& dems) {
   return text;
 }
 
+std::string paper_csv(const std::vector<BenchedDem>& dems) {
+  std::string text = "dem,atoms,sparsity,value_ratio_formula,value_ratio_table,bytes,bits_per_sample,psnr_db,jpeg2000_bytes,jpeg2000_psnr_db,encode_s,decode_s\n";
+  for (const BenchedDem& dem : dems)
+    for (const PaperRow& row : dem.paper)
+      text += quote_csv(dem.label) + "," + std::to_string(paper_atoms) + "," + std::to_string(row.sparsity) + "," + csv_number(row.ratio.printed) + "," +
+              csv_number(row.ratio.tabulated) + "," + std::to_string(row.tree.bytes) + "," + csv_number(row.tree.bits) + "," +
+              csv_number(row.tree.psnr_db, "%.4f") + "," + std::to_string(row.jpeg2000.bytes) + "," + csv_number(row.jpeg2000.psnr_db, "%.4f") + "," +
+              csv_number(row.tree.encode_s, "%.4f") + "," + csv_number(row.tree.decode_s, "%.4f") + "\n";
+  return text;
+}
+
 nlohmann::json bench_json(const std::vector<BenchedDem>& dems) {
   nlohmann::json all = nlohmann::json::array();
   for (const BenchedDem& dem : dems) {
@@ -162,9 +190,17 @@ nlohmann::json bench_json(const std::vector<BenchedDem>& dems) {
     data["anchor"] = anchor != nullptr ? nlohmann::json(anchor->name) : nlohmann::json();
     data["codecs"] = nlohmann::json::array();
     for (const CodecTrial& trial : dem.trials) data["codecs"].push_back(trial_json(dem, trial));
+    data["paper"] = nlohmann::json::array();
+    for (const PaperRow& row : dem.paper) data["paper"].push_back(paper_json(row));
     all.push_back(data);
   }
   return {{"dems", all}, {"mean_gain_rates_bits_per_sample", {gain_lowest_rate, gain_highest_rate}}};
+}
+
+std::vector<std::string> paper_cells(const PaperRow& row) {
+  return {std::to_string(row.sparsity), format_value(100 * row.ratio.printed, 1) + " %", format_value(100 * row.ratio.tabulated, 1) + " %",
+          std::to_string(row.tree.bytes), format_value(row.tree.bits, 3), format_value(row.tree.psnr_db, 2), std::to_string(row.jpeg2000.bytes),
+          format_value(row.jpeg2000.psnr_db, 2), format_value(row.tree.psnr_db - row.jpeg2000.psnr_db, 2), format_value(row.tree.encode_s, 1)};
 }
 
 std::string bench_text(const std::vector<BenchedDem>& dems) {
@@ -195,6 +231,7 @@ std::string bench_text(const std::vector<BenchedDem>& dems) {
         const Measurement& m = *trial.lossless;
         return {kept(m) ? format_value(m.bits, 3) : "broken", std::to_string(m.bytes), format_value(m.encode_s, 2), format_value(m.decode_s, 2)};
       });
+    if (!dem.paper.empty()) text += paper_text(dem.paper);
   }
   return text;
 }

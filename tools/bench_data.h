@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gis/compression_trial.h"
+#include "gis/paper_trial.h"
 
 namespace arete::tools {
 
@@ -18,6 +19,7 @@ struct BenchedDem {
   double low_m = 0, high_m = 0, quantum_m = 0;
   TrialPlan plan = {};
   std::vector<CodecTrial> trials = {};
+  std::vector<PaperRow> paper = {};  ///< empty: not asked for
 };
 
 /// The codec that the others are held against, or nullptr where it did not take part.
@@ -46,8 +48,16 @@ std::string format_plain(double value);
 /// One row per measurement and per reading of a curve. Lines end in a line feed; text with commas or quotes is quoted (RFC 4180).
 std::string bench_csv(const std::vector<BenchedDem>& dems);
 
+/// A row for each DEM and sparsity of the paper's profile; only the head where it was not asked for.
+std::string paper_csv(const std::vector<BenchedDem>& dems);
+
 /// The same and more as data; what is infinite or missing is null.
 nlohmann::json bench_json(const std::vector<BenchedDem>& dems);
+
+/// The columns of the table of the paper's profile, and a row of it.
+inline const std::vector<std::string> paper_columns = {"s", "rho by formula", "rho as tabulated", "bytes", "bits per sample", "PSNR dB",
+                                                       "JPEG 2000 bytes", "its PSNR dB", "difference dB", "s to encode"};
+std::vector<std::string> paper_cells(const PaperRow& row);
 
 /// Tables for a terminal.
 std::string bench_text(const std::vector<BenchedDem>& dems);

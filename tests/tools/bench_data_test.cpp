@@ -64,6 +64,13 @@ TEST(BenchJson, HasNullWhereThereIsNoNumber) {
   EXPECT_TRUE(data.at("dems").at(0).at("codecs").at(0).at("lossless").is_null());
 }
 
+TEST(PaperCsv, HasARowForEachSparsity) {
+  const std::string csv = paper_csv({sample_bench("one"), sample_bench("two")});
+  EXPECT_THAT(csv, HasSubstr("\none,128,8,0.5,0.25,1000,1,40.0000,1001,43.5000,0.0000,0.0000\ntwo,128,8,"));
+  EXPECT_EQ(bench_json({sample_bench()}).at("dems").at(0).at("paper").at(0).at("jpeg2000").at("bytes"), 1001);
+  EXPECT_THAT(bench_text({sample_bench()}), HasSubstr("8 | 50.0 % | 25.0 % | 1000 | 1.000 | 40.00 | 1001 | 43.50 | -3.50"));
+}
+
 TEST(BenchText, ShowsGainsAndBrokenBounds) {
   const std::string text = bench_text({sample_bench()});
   for (const char* part : {"100 x 80 cells", "+2.00", "broken", "1.000"}) EXPECT_THAT(text, HasSubstr(part));

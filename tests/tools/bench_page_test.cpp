@@ -14,7 +14,7 @@ using testing::Not;
 TEST(BenchPage, SaysWhatWasMeasuredAndWhatWasBroken) {
   const std::string html = write_html(bench_page({sample_bench("one"), sample_bench("two")}, "arete bench compression <x>"));
   for (const char* part : {"<h2>one</h2>", "<h2>two</h2>", "+2.00 dB", "-20.6 %", "Broken promise: one: Other &lt;new&gt; was asked for 1 m and erred by 1.5 m",
-                           "3.000 (broken)", "10 cells are void", "medians of 3 runs with 2 threads", "compression &lt;x&gt;", "one, two"})
+                           "3.000 (broken)", "<td>43.50</td><td>-3.50</td>", "10 cells are void", "medians of 3 runs with 2 threads", "compression &lt;x&gt;", "one, two"})
     EXPECT_THAT(html, HasSubstr(part));
   EXPECT_THAT(html, Not(HasSubstr("nan")));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
@@ -47,6 +47,15 @@ TEST(MaxErrorPlot, DashesWhatWasAskedForAnError) {
   EXPECT_EQ(plot.series[1].name, "");
   EXPECT_EQ(plot.series[1].points, (std::vector<std::pair<double, double>>{{3, 1}}));
   EXPECT_TRUE(plot.log_y);
+}
+
+TEST(BoundPlot, HasWhatWasKeptOverTheBound) {
+  BenchedDem dem = sample_bench();
+  dem.trials[0].bounds[1] = Measurement{.target = {CodingTarget::Kind::max_error, 2}, .bits = 2, .max_error_m = 2};
+  const LinePlot plot = bound_plot(dem);
+  ASSERT_EQ(plot.series.size(), 1u) << "the other broke its only bound";
+  EXPECT_EQ(plot.series[0].points, (std::vector<std::pair<double, double>>{{1, 3}, {2, 2}}));
+  EXPECT_TRUE(plot.log_x && plot.log_y);
 }
 
 }  // namespace

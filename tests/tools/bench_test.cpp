@@ -9,7 +9,7 @@ class BenchVerb : public VerbFixture {};
 
 TEST_F(BenchVerb, MeasuresEveryCodecOnADem) {
   const std::string dem = write_mountains("dem.tif", {96, 72});
-  const Outcome outcome = run("bench compression " + dem + " " + path("out") + " --repeats 1 --threads 2 --json");
+  const Outcome outcome = run("bench compression " + dem + " " + path("out") + " --repeats 1 --threads 2 --paper --json");
   ASSERT_EQ(outcome.code, 0) << outcome.err;
   const auto data = nlohmann::json::parse(outcome.out);
   auto written = nlohmann::json::parse(read(path("out/results.json")));
@@ -26,6 +26,7 @@ TEST_F(BenchVerb, MeasuresEveryCodecOnADem) {
     for (const auto& bound : codec.at("bounds")) EXPECT_TRUE(bound.is_null() || bound.at("kept") == true) << codec.at("codec") << bound;
     EXPECT_TRUE(codec.at("lossless").is_null() || codec.at("lossless").at("exact") == true);
   }
+  EXPECT_FALSE(result.at("codecs").at(0).at("lossless").is_null()) << "ours promises everything";
   // The bytes of a curve's point are those of its bits per sample.
   const auto& point = result.at("codecs").at(0).at("curve").at(0);
   EXPECT_DOUBLE_EQ(point.at("bits_per_sample").get<double>(), 8 * point.at("bytes").get<double>() / (96 * 72));
@@ -37,7 +38,10 @@ TEST_F(BenchVerb, MeasuresEveryCodecOnADem) {
   for (const std::string& part : {std::string("JPEG XL"), std::string("BD-PSNR"), std::string("<svg "), std::string("filled by interpolation")})
     EXPECT_NE(page.find(part), std::string::npos) << part;
   EXPECT_EQ(page.find("src=\"http"), std::string::npos);
-  for (const char* plot : {"dem-psnr", "dem-max-error"})
+  ASSERT_EQ(result.at("paper").size(), 3u);
+  EXPECT_LT(result.at("paper").at(0).at("tree").at("psnr_db"), result.at("paper").at(2).at("tree").at("psnr_db"));
+  EXPECT_NE(read(path("out/paper.csv")).find("\ndem,128,8,"), std::string::npos);
+  for (const char* plot : {"dem-psnr", "dem-max-error", "dem-bounds"})
     for (const char* extension : {".svg", ".png"}) EXPECT_GT(std::filesystem::file_size(path(std::string("out/") + plot + extension)), 5000u);
 }
 
