@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -7,7 +8,6 @@
 #include <vector>
 
 #include "core/support/parallel.h"
-#include "core/terrain/fill_voids.h"
 #include "gis/dem_file.h"
 #include "gis/peer_codecs.h"
 #include "tools/bench_data.h"
@@ -61,11 +61,19 @@ void demand_memory(const DemReader& reader, const Codecs& codecs, const CommonOp
                                        readable_bytes(common.memory_bytes) + "; give more, fewer codecs (--peers), or a part of the DEM (gdal_translate -srcwin)");
 }
 
+/// The terrain without voids. Filled cells are whole quanta where all others are: data of whole metres stay such.
+TestedTerrain filled_terrain(const TestedTerrain& terrain, double unit) {
+  Raster<float> cells = terrain.filled.clone();
+  for (std::int64_t i = 0; i < cells.size().cells() && terrain.quantum > 0; ++i)
+    if (is_void(terrain.cells.data()[i])) cells.data()[i] = static_cast<float>(std::round(static_cast<double>(cells.data()[i]) / terrain.quantum) * terrain.quantum);
+  return examine_terrain(terrain.name, std::move(cells), unit);
+}
+
 TestedTerrain read_terrain(const std::string& path, const DemReadOptions& reading, bool fill) {
   const DemReader reader(path, reading);
-  Raster<float> cells = read_all(reader);
-  if (fill && std::any_of(cells.data(), cells.data() + cells.size().cells(), is_void)) fill_voids(cells.view());
-  return examine_terrain(path, std::move(cells), reader.georeference().metres_per_unit);
+  const double unit = reader.georeference().metres_per_unit;
+  TestedTerrain terrain = examine_terrain(path, read_all(reader), unit);
+  return fill && terrain.valid < terrain.cells.size().cells() ? filled_terrain(terrain, unit) : std::move(terrain);
 }
 
 /// What the options ask for; where they name no part, all of them.

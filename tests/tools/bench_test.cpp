@@ -1,5 +1,7 @@
 #include "tests/tools/verb_fixture.h"
 
+#include <cmath>
+
 #include <nlohmann/json.hpp>
 
 namespace arete {
@@ -61,6 +63,23 @@ TEST_F(BenchVerb, RunsOnlyThePartsAsked) {
       EXPECT_LT(codec.at("bounds").at(1).at("bytes"), codec.at("bounds").at(0).at("bytes"));
     }
   }
+}
+
+TEST_F(BenchVerb, FilledVoidsOfWholeMetresAreWholeMetres) {
+  Raster<double> cells(40, 30);
+  for (std::int64_t i = 0; i < cells.size().cells(); ++i) cells.data()[i] = static_cast<double>(i * i % 97);
+  for (std::int64_t y = 10; y < 20; ++y)
+    for (std::int64_t x = 10; x < 20; ++x) cells(x, y) = std::nan("");
+  GeoReference geo;
+  geo.nodata = -9999;
+  DemWriter writer(path("dem.tif"), cells.size(), geo, {.type = ValueType::int16});
+  writer.write_stored({0, 0, 40, 30}, cells.view());
+  writer.commit();
+  const Outcome outcome = run("bench compression " + path("dem.tif") + " " + path("out") + " --peers sct --lossless --repeats 1 --fill --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto result = nlohmann::json::parse(outcome.out).at("dems").at(0);
+  EXPECT_EQ(result.at("valid_cells"), 40 * 30);
+  EXPECT_EQ(result.at("quantum_m"), 1);
 }
 
 TEST_F(BenchVerb, LeavesNothingWhereAnInputIsRefused) {
