@@ -32,3 +32,8 @@ done
 # The completion that is installed offers the verbs.
 bash -c '. "$1"; COMP_WORDS=(arete complet); COMP_CWORD=1; _arete; [ "${COMPREPLY[*]}" = completion ]' _ \
   "$prefix/share/bash-completion/completions/arete" || { echo "bash completion does not complete 'arete complet'" >&2; exit 1; }
+# The dictionaries that are installed are found by name, and by the digest in a tree.
+printf 'ncols 3\nnrows 2\nxllcorner 0\nyllcorner 0\ncellsize 100\n1 5 9\n4 2 8\n' >"$work/dem.asc"
+"$prefix/bin/arete" compress "$work/dem.asc" "$work/dem.sct" --profile paper --dictionary alps_srtm_30m_x4 --quiet >"$work/compress.log"
+"$prefix/bin/arete" info "$work/dem.sct" | grep -qF "$prefix/share/arete/dictionaries/alps_srtm_30m_x4.atoms" ||
+  { echo "the installed command does not find its dictionaries" >&2; exit 1; }
