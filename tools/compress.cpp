@@ -27,7 +27,7 @@ struct CompressArguments {
   DemReadOptions dem;
   double psnr = 0, rmse = 0, bytes = 0, bits_per_sample = 0, max_error = 0;
   bool lossless = false, fast = false;
-  std::string profile = "best", learning = "ksvd", dictionary;
+  std::string flat = "auto", profile = "best", learning = "ksvd", dictionary;
   int radius = 0;  // 0: that of the dictionary, or the coder's default
   PatchCodingOptions patches;
 };
@@ -104,6 +104,7 @@ void run_compress(const CompressArguments& arguments, const CommonOptions& commo
     options.patches.dictionary_name = dictionary_digest(given->dictionary);
     options.patches.radius = given->dictionary.patch_cells / 2;
   }
+  options.flat = arguments.flat == "exact" ? FlatWater::exact : arguments.flat == "auto" ? FlatWater::automatic : FlatWater::as_others;
   options.threads = common.threads;
   // A quarter of the memory is for what GDAL keeps of the input, another for the program itself.
   limit_block_cache(common.memory_bytes / 4);
@@ -135,6 +136,9 @@ void add_compress(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   target->add_option("--bytes", arguments->bytes, "A file of at most this many bytes")->check(CLI::PositiveNumber);
   target->add_option("--bpp", arguments->bits_per_sample, "The same in bits per cell")->check(CLI::PositiveNumber);
   target->require_option(0, 1);
+  verb->add_option("--flat", arguments->flat, "Dead-flat water (sea, lakes) of lossy trees: exact to the last bit, none (as other cells), or auto: exact where that pays")
+      ->check(CLI::IsMember({"auto", "exact", "none"}))
+      ->capture_default_str();
   verb->add_flag("--fast", arguments->fast, "Encode in half the time, for a file larger by 1 %");
   CLI::Option* profile = verb->add_option("--profile", arguments->profile, "best, or paper: the published model, which needs more bytes for less")
                              ->check(CLI::IsMember({"best", "paper"}));

@@ -3,12 +3,18 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
+#include <set>
 
+#include "core/codec/bit_model.h"
 #include "core/codec/byte_stream.h"
+#include "core/codec/range_coder.h"
+#include "core/codec/stream_parts.h"
+#include "core/terrain/flat_water.h"
 
 namespace arete {
 namespace {
+
+constexpr unsigned adaptation_limit = 250;
 
 // Visits the flat cells of the block: visit(x, y), counted in the block.
 template <class Visit>
@@ -19,20 +25,72 @@ void visit_flat(const NodeGrid& grid, const NodeAddress& node, const VoidMask& f
       if (fine.cells(at.x + x - fine.x, at.y + y - fine.y) != 0) visit(x, y);
 }
 
-bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
-
-// The values of the flat cells of a block, rising, -0 as 0; of more than most_flat_values those that most cells have, of equally many the lowest.
+// The values of the flat cells of a block, rising, -0 as 0.
 std::vector<double> list_values(const NodeGrid& grid, const NodeAddress& node, RasterView<const double> values, const VoidMask& fine) {
-  std::map<double, std::int64_t> counts;
-  visit_flat(grid, node, fine, [&](std::int64_t x, std::int64_t y) { ++counts[values(x, y) + 0.0]; });
-  std::vector<std::pair<std::int64_t, double>> order;
-  for (const auto& [value, count] : counts) order.emplace_back(-count, value);
-  std::sort(order.begin(), order.end());
-  order.resize(std::min<std::size_t>(order.size(), most_flat_values));
-  std::vector<double> list;
-  for (const auto& entry : order) list.push_back(entry.second);
-  std::sort(list.begin(), list.end());
-  return list;
+  std::set<double> found;
+  visit_flat(grid, node, fine, [&](std::int64_t x, std::int64_t y) { found.insert(values(x, y) + 0.0); });
+  return {found.begin(), found.end()};
+}
+
+// Which value of the list each flat cell of a block has, cell by cell: as its neighbour to the left, else as the one above, or told in
+// `width` bits. code(model, bit) and raw(index) code or ignore what they are given, and give what was coded.
+template <class Code, class Raw>
+void code_indexes(const Raster<std::uint8_t>& flat, Raster<std::int32_t>& indexes, Code code, Raw raw) {
+  BitModel beside, below;
+  for (std::int64_t y = 0; y < flat.height(); ++y)
+    for (std::int64_t x = 0; x < flat.width(); ++x) {
+      if (flat(x, y) == 0) continue;
+      const bool left = x > 0 && flat(x - 1, y) != 0, above = y > 0 && flat(x, y - 1) != 0;
+      const std::int32_t expected = left ? indexes(x - 1, y) : above ? indexes(x, y - 1) : 0;
+      if ((left || above) && code(left ? beside : below, indexes(x, y) == expected)) indexes(x, y) = expected;
+      else indexes(x, y) = raw(indexes(x, y));
+    }
+}
+
+Raster<std::uint8_t> block_of(const NodeGrid& grid, const NodeAddress& node, const VoidMask& fine) {
+  const Window at = grid.cells(node);
+  Raster<std::uint8_t> block(at.width, at.height);
+  for (std::int64_t y = 0; y < at.height; ++y) std::copy_n(fine.cells.view().row(at.y + y - fine.y) + (at.x - fine.x), at.width, block.view().row(y));
+  return block;
+}
+
+Probability held(const BitModel& model) { return std::clamp<Probability>(model.p(), 16, 65520); }
+
+std::vector<std::byte> encode_indexes(const Raster<std::uint8_t>& flat, RasterView<const double> values, const std::vector<double>& list) {
+  Raster<std::int32_t> indexes(flat.width(), flat.height());
+  for (std::int64_t y = 0; y < flat.height(); ++y)
+    for (std::int64_t x = 0; x < flat.width(); ++x)
+      if (flat(x, y) != 0) indexes(x, y) = static_cast<std::int32_t>(std::lower_bound(list.begin(), list.end(), values(x, y)) - list.begin());
+  RangeEncoder encoder;
+  const int width = std::bit_width(list.size() - 1);
+  code_indexes(
+      flat, indexes,
+      [&](BitModel& model, bool same) {
+        encoder.encode(same, held(model));
+        model.update(same, adaptation_limit);
+        return same;
+      },
+      [&](std::int32_t index) {
+        encoder.encode_raw(static_cast<std::uint32_t>(index), width);
+        return index;
+      });
+  return encoder.finish();
+}
+
+Raster<std::int32_t> decode_indexes(const Raster<std::uint8_t>& flat, std::span<const std::byte> bytes, std::size_t count) {
+  Raster<std::int32_t> indexes(flat.width(), flat.height(), 0);
+  if (count == 1) return indexes;
+  RangeDecoder decoder(bytes);
+  const int width = std::bit_width(count - 1);
+  code_indexes(
+      flat, indexes,
+      [&](BitModel& model, bool) {
+        const int same = decoder.decode(held(model));
+        model.update(same, adaptation_limit);
+        return same != 0;
+      },
+      [&](std::int32_t) { return static_cast<std::int32_t>(std::min<std::uint32_t>(decoder.decode_raw(width), static_cast<std::uint32_t>(count - 1))); });
+  return indexes;
 }
 
 // --- lists as bytes: integers by their differences, floats as they are
@@ -55,8 +113,9 @@ void put_list(ByteWriter& out, const std::vector<double>& list, ValueType type) 
 
 std::vector<double> get_list(ByteReader& in, ValueType type) {
   constexpr std::uint64_t widest = std::uint64_t{1} << 33;  // any difference of two 32-bit integers, folded
-  std::vector<double> list(static_cast<std::size_t>(in.get_varint(most_flat_values, "the number of flat values")));
-  if (list.empty()) in.fail("a list of flat values is empty");
+  const std::uint64_t count = in.get_varint(most_flat_values, "the number of flat values");
+  if (count == 0 || count > in.left()) in.fail("a list of flat values is empty, or longer than its bytes");
+  std::vector<double> list(count);
   std::int64_t last = 0;
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (is_integer(type)) {
@@ -73,32 +132,25 @@ std::vector<double> get_list(ByteReader& in, ValueType type) {
 
 }  // namespace
 
-double nearest_flat(std::span<const double> list, double decoded) {
-  double nearest = list.front(), distance = std::abs(decoded - nearest);
-  for (const double value : list.subspan(1)) {
-    const double d = std::abs(decoded - value);
-    if (d < distance) nearest = value, distance = d;
-  }
-  return nearest;
-}
-
-void keep_reached(const NodeGrid& grid, const NodeAddress& node, RasterView<const double> values, RasterView<const double> decoded, VoidMask& fine) {
-  const Window at = grid.cells(node);
-  // The list of what stays may be shorter than that of what was there: then the nearest of a cell that stays is still its own.
-  const std::vector<double> list = list_values(grid, node, values, fine);
-  if (list.empty()) return;
-  visit_flat(grid, node, fine, [&](std::int64_t x, std::int64_t y) {
-    if (!same_bits(nearest_flat(list, decoded(x, y)), values(x, y))) fine.cells(at.x + x - fine.x, at.y + y - fine.y) = 0;
-  });
+Raster<std::uint8_t> find_flat_cells(RasterView<const double> values) {
+  Raster<float> floats(values.width, values.height);
+  for (std::int64_t y = 0; y < values.height; ++y)
+    for (std::int64_t x = 0; x < values.width; ++x) floats(x, y) = static_cast<float>(values(x, y));
+  Raster<std::uint8_t> flat = find_flat_water(floats.view());
+  for (std::int64_t y = 0; y < values.height; ++y)
+    for (std::int64_t x = 0; x < values.width; ++x)
+      if (static_cast<double>(floats(x, y)) != values(x, y)) flat(x, y) = 0;
+  return flat;
 }
 
 std::vector<std::byte> encode_flat(const NodeGrid& grid, const NodeAddress& node, const VoidMask& coarse, const VoidMask& fine,
                                    RasterView<const double> values, ValueType type) {
   const std::vector<std::byte> mask = encode_voids(grid, node, coarse, fine);
   if (mask.empty()) return {};
+  const std::vector<double> list = list_values(grid, node, values, fine);
   ByteWriter out;
-  put_list(out, list_values(grid, node, values, fine), type);
-  out.put_bytes(mask);
+  put_list(out, list, type);
+  out.put_bytes(list.size() == 1 ? mask : join_parts({mask, encode_indexes(block_of(grid, node, fine), values, list)}));
   return out.take();
 }
 
@@ -107,15 +159,20 @@ void decode_flat(const NodeGrid& grid, const NodeAddress& node, std::span<const 
   if (bytes.empty()) return decode_voids(grid, node, bytes, coarse, fine);
   ByteReader in(bytes, name);
   const std::vector<double> list = get_list(in, type);
-  if (in.left() == 0) in.fail("a list of flat values has no mask");
-  decode_voids(grid, node, bytes.last(in.left()), coarse, fine);
-  if (decoded.data == nullptr) return;
+  const std::span<const std::byte> left = bytes.last(in.left());
+  StreamParts parts = list.size() == 1 ? StreamParts{{left.begin(), left.end()}, {}} : split_parts(left, name);
+  if (parts.first.empty()) in.fail("a list of flat values has no mask");
   const Window at = grid.cells(node);
+  VoidMask block{Raster<std::uint8_t>(at.width, at.height), at.x, at.y};
+  decode_voids(grid, node, parts.first, coarse, block);
+  const Raster<std::int32_t> indexes = decoded.data == nullptr ? Raster<std::int32_t>() : decode_indexes(block.cells, parts.rest, list.size());
   const std::int64_t x0 = std::max(at.x, fine.x), x1 = std::min(at.x + at.width, fine.x + fine.cells.width());
   const std::int64_t y0 = std::max(at.y, fine.y), y1 = std::min(at.y + at.height, fine.y + fine.cells.height());
   for (std::int64_t y = y0; y < y1; ++y)
-    for (std::int64_t x = x0; x < x1; ++x)
-      if (fine.cells(x - fine.x, y - fine.y) != 0) decoded(x - fine.x, y - fine.y) = nearest_flat(list, decoded(x - fine.x, y - fine.y));
+    for (std::int64_t x = x0; x < x1; ++x) {
+      const std::uint8_t flat = fine.cells(x - fine.x, y - fine.y) = block.cells(x - at.x, y - at.y);
+      if (flat != 0 && decoded.data != nullptr) decoded(x - fine.x, y - fine.y) = list[static_cast<std::size_t>(indexes(x - at.x, y - at.y))];
+    }
 }
 
 }  // namespace arete

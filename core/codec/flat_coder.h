@@ -12,20 +12,16 @@
 
 namespace arete {
 
-// Dead-flat water behind a lossy coder: which cells are flat (find_flat_water), by the mask of core/codec/void_mask_coder.h with 1 where
-// flat, and the few stored values that they have. A flat cell's value is the one of its node's list that lies nearest to what the
-// lossy coder decoded there (before it is rounded to the type). Bytes: core/codec/flat-format.md.
+// Dead-flat water behind a lossy coder, exact: which cells are flat, by the mask of core/codec/void_mask_coder.h with 1 where flat, and
+// which of the few values of its node each has. Bytes: core/codec/tree-format.md.
 
-/// Longest list of a node, of the values that most of its cells have. keep_reached takes the cells of rarer ones out.
-inline constexpr int most_flat_values = 64;
+/// The most values that a node may have; more than squares of flat water fit into the largest node.
+inline constexpr int most_flat_values = 65535;
 
-/// The value of a non-empty list in rising order that is nearest to `decoded`; of two as near the first; the first for NaN.
-double nearest_flat(std::span<const double> list, double decoded);
-
-/// Takes out of the mask of level 0 what the rule would give another value, so that what stays comes back bit for bit. `values` and
-/// `decoded` are the stored numbers of the node's block, of a node of level 1; `fine` holds the block at least. To be called for all nodes
-/// of level 1 before the masks of coarser levels are made (coarsen_voids).
-void keep_reached(const NodeGrid& grid, const NodeAddress& node, RasterView<const double> values, RasterView<const double> decoded, VoidMask& fine);
+/// 1 where stored numbers are dead-flat water: as find_flat_water says, of numbers that single floats hold. A cell depends on the
+/// flat_reach cells around it. NaN is not water.
+Raster<std::uint8_t> find_flat_cells(RasterView<const double> values);
+inline constexpr std::int64_t flat_reach = 10;
 
 /// The stream of a node, empty where no cell of its block is flat. `coarse` and `fine` as encode_voids wants them, `values` the stored
 /// numbers of the block, none of them NaN where flat, each of the type.

@@ -29,20 +29,4 @@ std::vector<std::uint64_t> unpack_low_bits(std::span<const std::byte> bytes, std
   return numbers;
 }
 
-std::vector<std::byte> join_number_parts(const NumberParts& parts) {
-  if (parts.numbers.empty() && parts.low.empty()) return {};
-  ByteWriter out;
-  out.put_blob(parts.numbers);
-  out.put_bytes(parts.low);
-  return out.take();
-}
-
-NumberParts split_number_parts(std::span<const std::byte> stream, const std::string& name) {
-  if (stream.empty()) return {};
-  ByteReader in(stream, name);
-  const std::span<const std::byte> numbers = in.get_blob();
-  const std::span<const std::byte> low = stream.last(in.left());
-  return {{numbers.begin(), numbers.end()}, {low.begin(), low.end()}};
-}
-
 }  // namespace arete

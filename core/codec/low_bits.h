@@ -17,12 +17,4 @@ std::vector<std::byte> pack_low_bits(std::span<const std::uint64_t> numbers, int
 /// The inverse. Safe for untrusted bytes: throws Error{damaged} where they do not hold `count` numbers; `name` stands for the file.
 std::vector<std::uint64_t> unpack_low_bits(std::span<const std::byte> bytes, std::size_t count, int bits, const std::string& name);
 
-/// A stream of numbers and the packed lower bits behind it; and back. Both empty: an empty stream. Throws Error{damaged}.
-struct NumberParts {
-  std::vector<std::byte> numbers;
-  std::vector<std::byte> low;
-};
-std::vector<std::byte> join_number_parts(const NumberParts& parts);
-NumberParts split_number_parts(std::span<const std::byte> stream, const std::string& name);
-
 }  // namespace arete

@@ -120,20 +120,4 @@ VoidMask decode_root_voids(std::span<const std::byte> bytes, const Size& size, c
   return root;
 }
 
-std::vector<std::byte> join_parts(const NodeParts& parts) {
-  if (parts.voids.empty() && parts.cells.empty()) return {};
-  ByteWriter out;
-  out.put_blob(parts.voids);
-  out.put_bytes(parts.cells);
-  return out.take();
-}
-
-NodeParts split_parts(std::span<const std::byte> stream, const std::string& name) {
-  if (stream.empty()) return {};
-  ByteReader in(stream, name);
-  const std::span<const std::byte> voids = in.get_blob();
-  const std::span<const std::byte> cells = stream.last(in.left());
-  return {{voids.begin(), voids.end()}, {cells.begin(), cells.end()}};
-}
-
 }  // namespace arete

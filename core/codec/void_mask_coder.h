@@ -36,13 +36,4 @@ void decode_voids(const NodeGrid& grid, const NodeAddress& node, std::span<const
 std::vector<std::byte> encode_root_voids(const VoidMask& root);
 VoidMask decode_root_voids(std::span<const std::byte> bytes, const Size& size, const std::string& name);
 
-/// A node's stream in a tree with voids: the mask's with its length before it, then the coder's; and back. The stream of a node
-/// that has neither is empty. Throws Error{damaged}.
-struct NodeParts {
-  std::vector<std::byte> voids;
-  std::vector<std::byte> cells;
-};
-std::vector<std::byte> join_parts(const NodeParts& parts);
-NodeParts split_parts(std::span<const std::byte> stream, const std::string& name);
-
 }  // namespace arete

@@ -178,14 +178,19 @@ std::vector<std::byte> encode_wavelet_parameters(const WaveletParameters& parame
   ByteWriter out;
   out.put(parameters.step);
   for (std::uint8_t shrink : parameters.shrink) out.put_u8(shrink);
+  if (parameters.flat) out.put_u8(1);
   return out.take();
 }
 
 WaveletParameters decode_wavelet_parameters(std::span<const std::byte> bytes, const NodeGrid& grid, const std::string& name) {
   ByteReader in(bytes, name);
-  WaveletParameters parameters{grid, in.get<float>(), {}};
+  WaveletParameters parameters{grid, in.get<float>(), {}, false};
   for (std::uint8_t& shrink : parameters.shrink) shrink = in.get_u8();
   if (!std::isfinite(parameters.step) || !(parameters.step > 0)) in.fail("its quantiser step is not a positive number");
+  if (in.left() > 0) {
+    if (in.get_u8() != 1) in.fail("a flag of its parameters is neither there nor absent");
+    parameters.flat = true;
+  }
   if (in.left() != 0) in.fail("its parameters go on after their end");
   return parameters;
 }

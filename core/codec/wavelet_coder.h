@@ -22,6 +22,7 @@ struct WaveletParameters {
   float step = 1;  ///< of the trellis quantiser, in metres of a detail of norm 1; finite, > 0
   /// How far magnitudes of 1, 2, and 3 or more lie towards zero of their lattice points, in 1/256 of a step.
   std::array<std::uint8_t, 3> shrink{};
+  bool flat = false;  ///< streams carry flat water (core/codec/flat_coder.h) before the coefficients; the coder does not look at it
 };
 
 /// The parameters as bytes, but for the grid; and back. Safe for untrusted bytes: throws Error{damaged}, `name` being the file.

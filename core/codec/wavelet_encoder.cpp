@@ -257,6 +257,12 @@ double DetailSizes::bits(double step) const {
   return sum;
 }
 
+double DetailSizes::least_step() const {
+  for (std::size_t i = bins; i-- > 0;)
+    if (squares[i] > 0) return 2 * std::sqrt(squares[i] / count[i]) / coefficient_limit;
+  return 0;
+}
+
 Raster<float> WaveletPyramid::read(int level, const Window& window) const {
   if (level > 0) return lows[static_cast<std::size_t>(level - 1)].read(window);
   Raster<float> samples(window.width, window.height);

@@ -28,6 +28,8 @@ struct DetailSizes {
   double squared_error(double step) const;
   /// The size to be expected, in bits; rougher.
   double bits(double step) const;
+  /// The finest step that the coefficients' range allows (coefficient_limit).
+  double least_step() const;
 };
 
 /// The low-pass levels of a raster, and its details only measured: they are cheaper to compute again than to keep.

@@ -24,10 +24,18 @@ enum class TreeProfile {
   paper,  ///< the published model, a dictionary learned on the raster, or given; `target` is not used
 };
 
+/// Whether dead-flat water (find_flat_water) comes back exactly from a lossy tree.
+enum class FlatWater {
+  automatic,  ///< where that makes the tree smaller at the same error
+  exact,
+  as_others,
+};
+
 struct CompressOptions {
   TreeProfile profile = TreeProfile::best;
   PatchCodingOptions patches;  ///< of the paper's profile; its threads and node side are set from those below
   CompressionTarget target;
+  FlatWater flat = FlatWater::automatic;  ///< of the wavelet coder; the predictive one keeps flat cells flat anyway, within its bound
   int node_side = 0;  ///< 0: 512 where the tree is below a quarter of a bit a cell, else 256
   int passes = 2;     ///< of the quantiser: 1 takes half the time and loses 0.03 to 0.05 dB
   int threads = 0;

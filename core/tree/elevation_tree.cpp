@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "core/codec/byte_stream.h"
+#include "core/codec/flat_coder.h"
 #include "core/codec/low_bits.h"
 #include "core/codec/patch_coder.h"
+#include "core/codec/stream_parts.h"
 #include "core/codec/void_mask_coder.h"
 #include "core/support/parallel.h"
 
@@ -16,14 +18,14 @@ namespace {
 // A node's stream without the mask.
 std::vector<std::byte> cells_of(const TreeFile& file, std::int64_t index) {
   std::vector<std::byte> stream = file.read_node(index);
-  return file.header().voids ? split_parts(stream, file.name()).cells : stream;
+  return file.header().voids ? split_parts(stream, file.name()).rest : stream;
 }
 
 // Whether a cell of a block belongs to the coarser level.
 bool on_lattice(std::int64_t x, std::int64_t y) { return x % 2 == 0 && y % 2 == 0; }
 
-// The root of a tree with voids: the coarsest mask, then the coder's.
-NodeParts root_parts(const TreeFile& file) {
+// The root of a tree: its coarsest mask, empty without voids, and what the coder has.
+StreamParts root_parts(const TreeFile& file) {
   if (!file.header().voids) return {{}, file.header().root};
   return split_parts(file.header().root, file.name());
 }
@@ -96,10 +98,10 @@ ElevationTree ElevationTree::open(const std::string& path, int threads, const Di
 
 Raster<double> ElevationTree::decode_numbers(int level, const Window& window) const {
   const bool has_low = map_.low_bits > 0;
-  const auto numbers_of = [&](std::vector<std::byte> stream) { return has_low ? split_number_parts(stream, file_.name()).numbers : stream; };
+  const auto numbers_of = [&](std::vector<std::byte> stream) { return has_low ? split_parts(stream, file_.name()).first : stream; };
   const auto streams = [&](std::int64_t index) { return numbers_of(cells_of(file_, index)); };
   const VoidReader voids = header().voids ? VoidReader([this](int l, const Window& w) { return decode_mask(l, w); }) : VoidReader();
-  const Raster<std::int32_t> numbers = decode_predictive(header().grid, predictive_, numbers_of(root_parts(file_).cells), streams, voids, level, window, threads_);
+  const Raster<std::int32_t> numbers = decode_predictive(header().grid, predictive_, numbers_of(root_parts(file_).rest), streams, voids, level, window, threads_);
   const Raster<std::uint64_t> low = has_low ? decode_low_bits(level, window) : Raster<std::uint64_t>();
   Raster<double> stored(window.width, window.height);
   for (std::int64_t i = 0; i < numbers.size().cells(); ++i) stored.data()[i] = map_.value_of(numbers.data()[i], has_low ? low.data()[i] : 0);
@@ -108,13 +110,34 @@ Raster<double> ElevationTree::decode_numbers(int level, const Window& window) co
 
 Raster<double> ElevationTree::decode(int level, const Window& window) const {
   if (header().coder == TreeCoder::predictive) return decode_numbers(level, window);
-  const auto streams = [this](std::int64_t index) { return cells_of(file_, index); };
-  const Raster<float> cells = header().coder == TreeCoder::patches
-                                  ? decode_patches(patches_, root_parts(file_).cells, streams, level, window, threads_)
-                                  : decode_wavelet(wavelet_, root_parts(file_).cells, streams, level, window, threads_);
+  const bool flat = header().coder == TreeCoder::wavelet && wavelet_.flat;
+  const auto coded = [&](std::vector<std::byte> stream) { return flat ? split_parts(stream, file_.name()).rest : stream; };
+  const auto streams = [&](std::int64_t index) { return coded(cells_of(file_, index)); };
+  const std::vector<std::byte> root = coded(root_parts(file_).rest);
+  const Raster<float> cells = header().coder == TreeCoder::patches ? decode_patches(patches_, root, streams, level, window, threads_)
+                                                                   : decode_wavelet(wavelet_, root, streams, level, window, threads_);
   Raster<double> stored(window.width, window.height);
   for (std::int64_t i = 0; i < cells.size().cells(); ++i) stored.data()[i] = static_cast<double>(cells.data()[i]);
+  if (flat) set_flat_water(level, window, stored);
   return stored;
+}
+
+void ElevationTree::set_flat_water(int level, const Window& window, Raster<double>& cells) const {
+  const NodeGrid& grid = header().grid;
+  const std::vector<Window> windows = block_windows(grid, level, window);
+  VoidMask mask = decode_root_voids(split_parts(root_parts(file_).rest, file_.name()).first, grid.level_size(grid.levels()), file_.name());
+  for (int l = grid.levels(); l > level; --l) {
+    const bool last = l == level + 1;
+    const Window& at = last ? window : windows[static_cast<std::size_t>(l - 1 - level)];
+    VoidMask fine{Raster<std::uint8_t>(at.width, at.height), at.x, at.y};
+    const Window nodes = nodes_over(grid, at);
+    parallel_for(nodes.width * nodes.height, threads_, [&](std::int64_t i) {
+      const NodeAddress node{l, nodes.x + i % nodes.width, nodes.y + i / nodes.width};
+      decode_flat(grid, node, split_parts(cells_of(file_, grid.index(node)), file_.name()).first, mask, fine, last ? cells.view() : RasterView<double>{},
+                  header().type, file_.name());
+    });
+    mask = std::move(fine);
+  }
 }
 
 // From the coarsest level on: a part of a level (x, y being where it begins) has those of the coarser one on its lattice.
@@ -122,10 +145,10 @@ Raster<std::uint64_t> ElevationTree::decode_low_bits(int level, const Window& wi
   const NodeGrid& grid = header().grid;
   const std::vector<Window> windows = block_windows(grid, level, window);
   const auto low_of = [&](const std::vector<std::byte>& stream, std::size_t count) {
-    return unpack_low_bits(split_number_parts(stream, file_.name()).low, count, map_.low_bits, file_.name());
+    return unpack_low_bits(split_parts(stream, file_.name()).rest, count, map_.low_bits, file_.name());
   };
   const Size root = grid.level_size(grid.levels());
-  const std::vector<std::uint64_t> roots = low_of(root_parts(file_).cells, static_cast<std::size_t>(root.cells()));
+  const std::vector<std::uint64_t> roots = low_of(root_parts(file_).rest, static_cast<std::size_t>(root.cells()));
   Raster<std::uint64_t> coarse(root.width, root.height);
   std::copy(roots.begin(), roots.end(), coarse.data());
   Window before{0, 0, root.width, root.height};
@@ -153,14 +176,14 @@ Raster<std::uint64_t> ElevationTree::decode_low_bits(int level, const Window& wi
 Raster<std::uint8_t> ElevationTree::decode_mask(int level, const Window& window) const {
   const NodeGrid& grid = header().grid;
   const std::vector<Window> windows = block_windows(grid, level, window);
-  VoidMask mask = decode_root_voids(root_parts(file_).voids, grid.level_size(grid.levels()), file_.name());
+  VoidMask mask = decode_root_voids(root_parts(file_).first, grid.level_size(grid.levels()), file_.name());
   for (int l = grid.levels(); l > level; --l) {
     const Window& at = windows[static_cast<std::size_t>(l - 1 - level)];
     VoidMask fine{Raster<std::uint8_t>(at.width, at.height), at.x, at.y};
     const Window nodes = nodes_over(grid, at);
     parallel_for(nodes.width * nodes.height, threads_, [&](std::int64_t i) {
       const NodeAddress node{l, nodes.x + i % nodes.width, nodes.y + i / nodes.width};
-      decode_voids(grid, node, split_parts(file_.read_node(grid.index(node)), file_.name()).voids, mask, fine);
+      decode_voids(grid, node, split_parts(file_.read_node(grid.index(node)), file_.name()).first, mask, fine);
     });
     mask = std::move(fine);
   }

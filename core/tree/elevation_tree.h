@@ -43,6 +43,7 @@ class ElevationTree final : public RasterSource {
  private:
   Raster<double> decode(int level, const Window& window) const;
   Raster<double> decode_numbers(int level, const Window& window) const;
+  void set_flat_water(int level, const Window& window, Raster<double>& cells) const;
   Raster<std::uint64_t> decode_low_bits(int level, const Window& window) const;
   Raster<std::uint8_t> decode_mask(int level, const Window& window) const;
 

@@ -26,7 +26,8 @@ FittedTree fit_patches(const TreeCells& cells, const TreeHeader& header, const C
   about.claim = TreeClaim::none;
   about.parameters = serialise_patch_parameters(streams.parameters);
   const MaskStreams masks = encode_masks(cells, about.grid, options.scratch, options.threads);
-  TreeDraft draft(masks, options.scratch);
+  const MaskStreams no_flat;
+  TreeDraft draft(masks, no_flat, options.scratch);
   for (const std::vector<std::byte>& stream : streams.nodes) draft.nodes().add(stream);
   FittedTree fitted{draft.finish(about, streams.root), {}, about.coder, {}};
   const auto given = [&](const std::string&) { return *coding.dictionary; };

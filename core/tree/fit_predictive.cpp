@@ -8,6 +8,7 @@
 #include "core/codec/byte_stream.h"
 #include "core/codec/low_bits.h"
 #include "core/codec/predictive_encoder.h"
+#include "core/codec/stream_parts.h"
 #include "core/codec/value_map.h"
 #include "core/support/error.h"
 
@@ -32,25 +33,10 @@ BoundedMap choose_map(const TreeCells& cells, const TreeHeader& header, const Co
   return *map;
 }
 
-// The cells of level l that lie in `at`.
-Raster<double> read_level(const TreeCells& cells, int level, const Window& at) {
-  Raster<double> values(at.width, at.height);
-  if (level == 0) {
-    cells.stored->read_stored(at, values.view());
-    return values;
-  }
-  Raster<double> row(((at.width - 1) << level) + 1, 1);
-  for (std::int64_t y = 0; y < at.height; ++y) {
-    cells.stored->read_stored({at.x << level, (at.y + y) << level, row.width(), 1}, row.view());
-    for (std::int64_t x = 0; x < at.width; ++x) values(x, y) = row(x << level, 0);
-  }
-  return values;
-}
-
 // The lower bits of the cells that a node codes.
 std::vector<std::byte> pack_node(const TreeCells& cells, const ValueMap& map, const NodeGrid& grid, std::int64_t index) {
   const NodeAddress node = grid.address(index);
-  const Raster<double> values = read_level(cells, node.level - 1, grid.cells(node));
+  const Raster<double> values = read_level(*cells.stored, node.level - 1, grid.cells(node));
   std::vector<std::uint64_t> low;
   for (std::int64_t y = 0; y < values.height(); ++y)
     for (std::int64_t x = 0; x < values.width(); ++x)
@@ -60,7 +46,7 @@ std::vector<std::byte> pack_node(const TreeCells& cells, const ValueMap& map, co
 
 std::vector<std::byte> pack_root(const TreeCells& cells, const ValueMap& map, const NodeGrid& grid) {
   const Size size = grid.level_size(grid.levels());
-  const Raster<double> values = read_level(cells, grid.levels(), {0, 0, size.width, size.height});
+  const Raster<double> values = read_level(*cells.stored, grid.levels(), {0, 0, size.width, size.height});
   std::vector<std::uint64_t> low;
   for (std::int64_t i = 0; i < size.cells(); ++i) low.push_back(map.low_of(values.data()[i]));
   return pack_low_bits(low, map.low_bits);
@@ -70,7 +56,7 @@ std::vector<std::byte> pack_root(const TreeCells& cells, const ValueMap& map, co
 NodeStore with_low_bits(const TreeCells& cells, const ValueMap& map, const NodeGrid& grid, NodeStore nodes) {
   if (map.low_bits == 0) return nodes;
   const auto add = [&cells, map, grid, nodes, index = std::int64_t{0}](std::vector<std::byte> stream) mutable {
-    nodes.add(join_number_parts({std::move(stream), pack_node(cells, map, grid, index++)}));
+    nodes.add(join_parts({std::move(stream), pack_node(cells, map, grid, index++)}));
   };
   return {add, {}};
 }
@@ -90,11 +76,12 @@ FittedTree fit_predictive(const TreeCells& cells, const TreeHeader& header, cons
   coding.threads = options.threads;
   coding.scratch = options.scratch;
   coding.progress = [&](std::int64_t nodes) { told.advance(nodes); };
-  TreeDraft draft(masks, options.scratch);
+  const MaskStreams no_flat;
+  TreeDraft draft(masks, no_flat, options.scratch);
   told.begin("encoding", about.grid.node_count());
   PredictiveSummary summary =
       encode_predictive(MappedCells(cells, bounded.map), about.grid, coding, with_low_bits(cells, bounded.map, about.grid, draft.nodes()));
-  if (bounded.map.low_bits > 0) summary.root = join_number_parts({std::move(summary.root), pack_root(cells, bounded.map, about.grid)});
+  if (bounded.map.low_bits > 0) summary.root = join_parts({std::move(summary.root), pack_root(cells, bounded.map, about.grid)});
   told.end();
   ByteWriter parameters;
   put_value_map(bounded.map, parameters);

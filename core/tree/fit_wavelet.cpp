@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "core/codec/stream_parts.h"
 #include "core/codec/wavelet_encoder.h"
 
 namespace arete {
@@ -18,10 +19,11 @@ constexpr double sparse_bits_per_cell = 0.25;
 constexpr int most_trials = 14;
 constexpr int patience = 8;  // trials, where the tree is so small that its error jumps
 constexpr double close_enough = 0.997;   // of an error that is aimed at: 0.03 dB
-constexpr double aim = 0.9985;           // between that and the error itself
+constexpr double short_of = 0.9985;           // between that and the error itself
 constexpr double filled_enough = 0.99;   // of a size that is aimed at
 constexpr double size_aim = 0.9955;
 constexpr double usual_ratio = 1.04;     // of the error in the file to that of the bands, which are not quite orthogonal
+constexpr double least_water = 0.01;     // of the cells, to be looked at
 constexpr double near_enough = 0.03;     // a first estimate that is further off needs no measuring,
 constexpr double plausible = 0.15;       // nor do later ones beyond this, which are wrong by less
 
@@ -54,20 +56,40 @@ class Search {
     if (!pyramid_) pyramid_ = analyse_raster(filled_, header_.grid, options_.scratch, options_.threads);
     pyramid_->grid = header_.grid;  // levels do not depend on the side of nodes
     masks_ = encode_masks(cells_, header_.grid, options_.scratch, options_.threads);
+    flat_ = {};
+    if (options_.flat == FlatWater::exact) find_flat_water(0);
   }
 
+  // From now on trees hold flat water exactly, if that is at least this share of the cells. Gives whether it is.
+  bool find_flat_water(double least_share) {
+    flat_ = encode_flat_water(cells_, header_.type, header_.grid, least_share, options_.scratch, options_.threads);
+    return flat_.any();
+  }
+  void forget_flat_water() { flat_ = {}; }
+
   Trial encode(double step) {
+    step = std::max(step, pyramid_->details.least_step());
     progress_.begin(trials_++ == 0 ? "encoding" : "encoding, try " + std::to_string(trials_), header_.grid.node_count());
-    TreeDraft draft(masks_, options_.scratch);
+    TreeDraft draft(masks_, flat_, options_.scratch);
     WaveletEncoding how;
     how.step = static_cast<float>(step);
     how.passes = options_.passes;
     how.threads = options_.threads;
     how.progress = [this](std::int64_t nodes) { progress_.advance(nodes); };
-    const WaveletSummary summary = encode_wavelet(*pyramid_, how, draft.nodes());
+    WaveletSummary summary = encode_wavelet(*pyramid_, how, draft.nodes());
     progress_.end();
-    header_.parameters = encode_wavelet_parameters(summary.parameters);
-    return {step, draft.finish(header_, summary.root), error_of(summary.squared_error), {}};
+    return {step, finish(draft, summary.parameters, summary.root), error_of(summary.squared_error), {}};
+  }
+
+  // The same tree, with the flat water that was found meanwhile.
+  Trial add_flat_water(const Trial& trial) {
+    const TreeFile file(trial.file, "the tree without flat water");
+    const auto coded = [&](std::vector<std::byte> stream) { return file.header().voids ? split_parts(stream, file.name()).rest : stream; };
+    TreeDraft draft(masks_, flat_, options_.scratch);
+    const NodeStore nodes = draft.nodes();
+    for (std::size_t i = 0; i < file.nodes().size(); ++i) nodes.add(coded(file.read_node(static_cast<std::int64_t>(i))));
+    const WaveletParameters parameters = decode_wavelet_parameters(file.header().parameters, header_.grid, file.name());
+    return {trial.step, finish(draft, parameters, coded(file.header().root)), trial.estimated, {}};
   }
 
   // RMSE in stored units.
@@ -80,13 +102,15 @@ class Search {
   double expected_error(double step) const { return usual_ratio * error_of(pyramid_->details.squared_error(step)); }
   double expected_bytes(double step) const { return pyramid_->details.bits(step) / 8; }
   // Of masks and index.
-  double fixed_bytes() const {
-    std::size_t sum = masks_.root.size() + 6 * static_cast<std::size_t>(header_.grid.node_count());
-    for (const std::vector<std::byte>& mask : masks_.nodes) sum += mask.size();
-    return static_cast<double>(sum);
-  }
+  double fixed_bytes() const { return static_cast<double>(masks_.bytes() + flat_.bytes() + 6 * static_cast<std::size_t>(header_.grid.node_count())); }
 
  private:
+  std::shared_ptr<const ByteSource> finish(TreeDraft& draft, WaveletParameters parameters, const std::vector<std::byte>& root) {
+    parameters.flat = flat_.any();
+    header_.parameters = encode_wavelet_parameters(parameters);
+    return draft.finish(header_, root);
+  }
+
   double error_of(double squared_error) const {
     const double rmse = std::sqrt(std::max(0.0, squared_error) / static_cast<double>(cells_.size().cells()));
     return is_integer(header_.type) ? rounded_error(rmse) : rmse;
@@ -100,7 +124,7 @@ class Search {
   int trials_ = 0;
   FilledCells filled_;
   std::optional<WaveletPyramid> pyramid_;
-  MaskStreams masks_;
+  MaskStreams masks_, flat_;
 };
 
 // The step at which a model, that grows with it (or falls), comes to a value.
@@ -113,6 +137,9 @@ double solve(const std::function<double(double)>& model, bool grows, double valu
   return std::sqrt(low * high);
 }
 
+// How a model changes with the step, in logarithms.
+double slope_of(const std::function<double(double)>& model, double step) { return std::log(model(step * 1.2) / model(step / 1.2)) / std::log(1.44); }
+
 // How what is searched for changes with the step, in logarithms: as it did from the trial before, or as a model says; held to what is
 // plausible.
 class Slope {
@@ -120,7 +147,7 @@ class Slope {
   Slope(std::function<double(double)> model, double least, double most) : model_(std::move(model)), least_(least), most_(most) {}
   double at(double step, double value) {
     const bool known = step_ > 0 && std::abs(std::log(step / step_)) > 0.003 && value > 0 && value_ > 0;
-    const double slope = known ? std::log(value / value_) / std::log(step / step_) : std::log(model_(step * 1.2) / model_(step / 1.2)) / std::log(1.44);
+    const double slope = known ? std::log(value / value_) / std::log(step / step_) : slope_of(model_, step);
     step_ = step;
     value_ = value;
     return std::isfinite(slope) ? std::clamp(slope, least_, most_) : (least_ + most_) / 2;
@@ -145,10 +172,8 @@ struct Bracket {
   bool closed(double nearly) const { return good > 0 && bad > 0 && std::max(good, bad) / std::min(good, bad) < nearly; }
 };
 
-FittedTree fitted_of(Trial trial) { return {std::move(trial.file), trial.found, TreeCoder::wavelet, {}}; }
-
 // The widest step whose error, measured on the file, does not exceed `target` (stored units).
-FittedTree search_error(Search& search, double target, Trial trial) {
+Trial search_error(Search& search, double target, Trial trial) {
   Bracket steps;
   Trial best;
   Slope slope([&](double step) { return search.expected_error(step); }, 0.2, 1.5);
@@ -156,7 +181,7 @@ FittedTree search_error(Search& search, double target, Trial trial) {
   for (int i = 0; i < most_trials; ++i) {
     const double step = trial.step, estimated = trial.estimated;
     double error = estimated * ratio;
-    const double off = std::abs(error / target - aim);
+    const double off = std::abs(error / target - short_of);
     const bool measured = off < (i == 0 ? near_enough : plausible) || error == 0;
     if (measured) {
       error = search.measure(trial);
@@ -169,14 +194,15 @@ FittedTree search_error(Search& search, double target, Trial trial) {
     }
     // Steps that are nearly the same, or a file so small that its error does not follow the step.
     if (best.file && (steps.closed(1.002) || i >= patience)) break;
-    const double factor = error > 0 ? std::pow(aim * target / error, 1 / slope.at(step, estimated)) : 2;
+    const double factor = error > 0 ? std::pow(short_of * target / error, 1 / slope.at(step, estimated)) : 2;
     trial = search.encode(steps.next(step * std::clamp(factor, 0.02, 50.0)));
+    if (trial.step == step) break;  // none finer
   }
-  return best.file ? fitted_of(std::move(best)) : FittedTree{};
+  return best;
 }
 
 // The narrowest step whose file is not larger than `target`.
-FittedTree search_bytes(Search& search, double target, Trial trial) {
+Trial search_bytes(Search& search, double target, Trial trial) {
   Bracket steps;
   Trial best;
   Slope slope([&](double step) { return search.expected_bytes(step); }, -2, -0.2);
@@ -195,33 +221,66 @@ FittedTree search_bytes(Search& search, double target, Trial trial) {
     const double left = std::max(1.0, size_aim * target - fixed), used = std::max(1.0, bytes - fixed);
     const double factor = std::pow(left / used, 1 / slope.at(step, used));
     trial = search.encode(steps.next(step * std::clamp(factor, 0.02, 50.0)));
+    if (trial.step == step) break;  // none finer
   }
-  if (!best.file) return {};
-  search.measure(best);
-  return fitted_of(std::move(best));
+  if (best.file) search.measure(best);
+  return best;
+}
+
+// What is asked for: bytes, or an RMSE in stored units.
+struct Aim {
+  bool bytes = false;
+  double value = 0;
+};
+
+Trial search_aim(Search& search, const Aim& aim, Trial first) {
+  return aim.bytes ? search_bytes(search, aim.value, std::move(first)) : search_error(search, aim.value, std::move(first));
+}
+
+// The first try: of two sides of nodes at the same step, hence nearly the same error, the smaller file.
+Trial start(Search& search, const Aim& aim, std::int64_t cells, int side) {
+  search.prepare(side > 0 ? side : fine_side);
+  const double step = aim.bytes ? solve([&](double s) { return search.expected_bytes(s); }, false, std::max(1.0, aim.value - search.fixed_bytes()))
+                                : solve([&](double s) { return search.expected_error(s); }, true, aim.value);
+  Trial first = search.encode(step);
+  if (side > 0 || 8.0 * static_cast<double>(first.file->size()) >= sparse_bits_per_cell * static_cast<double>(cells)) return first;
+  search.prepare(wide_side);
+  Trial wide = search.encode(step);
+  if (wide.file->size() < first.file->size()) return wide;
+  search.prepare(fine_side);
+  return first;
+}
+
+// Makes flat water exact where that is worth its bytes: what it takes off the error would cost more otherwise.
+Trial try_flat_water(Search& search, const Aim& aim, Trial best) {
+  if (!search.find_flat_water(least_water)) return best;
+  Trial exact = search.add_flat_water(best);
+  search.measure(exact);
+  const double bytes_slope = slope_of([&](double s) { return search.expected_bytes(s); }, best.step);
+  const double error_slope = slope_of([&](double s) { return search.expected_error(s); }, best.step);
+  const double bytes_for_error = std::clamp(-bytes_slope / error_slope, 0.2, 3.0);  // relative to relative
+  const double gain = bytes_for_error * std::log(best.found.rmse_m / exact.found.rmse_m) -
+                      std::log(static_cast<double>(exact.file->size()) / static_cast<double>(best.file->size()));
+  if (gain > 0) {
+    Trial found = search_aim(search, aim, std::move(exact));
+    const bool better = found.file && (aim.bytes ? found.found.rmse_m < best.found.rmse_m : found.file->size() < best.file->size());
+    if (better) return found;
+  }
+  search.forget_flat_water();
+  return best;
 }
 
 }  // namespace
 
 FittedTree fit_wavelet(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress) {
   const double range = std::max(cells.range.highest - cells.range.lowest, 1e-9);
-  const bool by_size = options.target.kind == TreeClaim::bytes;
-  const double target = by_size                                        ? options.target.value
-                        : options.target.kind == TreeClaim::psnr ? range / std::pow(10, options.target.value / 20) : options.target.value / cells.metres_per_stored;
+  Aim aim{options.target.kind == TreeClaim::bytes, options.target.value};
+  if (options.target.kind == TreeClaim::psnr) aim.value = range / std::pow(10, options.target.value / 20);
+  if (options.target.kind == TreeClaim::rmse) aim.value /= cells.metres_per_stored;
   Search search(cells, header, options, progress);
-  search.prepare(options.node_side > 0 ? options.node_side : fine_side);
-  const double step = by_size ? solve([&](double s) { return search.expected_bytes(s); }, false, std::max(1.0, target - search.fixed_bytes()))
-                              : solve([&](double s) { return search.expected_error(s); }, true, target);
-  Trial first = search.encode(step);
-  const bool sparse = 8.0 * static_cast<double>(first.file->size()) < sparse_bits_per_cell * static_cast<double>(cells.size().cells());
-  if (options.node_side == 0 && sparse) {
-    // Of two sides at the same step, hence nearly the same error, the smaller file.
-    search.prepare(wide_side);
-    Trial wide = search.encode(step);
-    if (wide.file->size() < first.file->size()) first = std::move(wide);
-    else search.prepare(fine_side);
-  }
-  return by_size ? search_bytes(search, target, std::move(first)) : search_error(search, target, std::move(first));
+  Trial best = search_aim(search, aim, start(search, aim, cells.size().cells(), options.node_side));
+  if (best.file && options.flat == FlatWater::automatic) best = try_flat_water(search, aim, std::move(best));
+  return {std::move(best.file), best.found, TreeCoder::wavelet, {}};
 }
 
 }  // namespace arete

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <string>
 #include <utility>
 
+#include "core/codec/flat_coder.h"
 #include "core/codec/void_mask_coder.h"
 #include "core/support/error.h"
 #include "core/support/parallel.h"
@@ -74,34 +77,72 @@ Raster<float> fill_window(const TreeCells& cells, const Window& window, std::int
 
 // --- masks
 
-VoidMask read_mask(const TreeCells& cells, const std::vector<CellStore<std::uint8_t>>& levels, int level, const Window& window) {
-  if (level > 0) return {levels[static_cast<std::size_t>(level - 1)].read(window), window.x, window.y};
-  const Raster<double> stored = read_window(*cells.stored, window);
-  VoidMask mask{Raster<std::uint8_t>(window.width, window.height), window.x, window.y};
-  for (std::int64_t i = 0; i < stored.size().cells(); ++i) mask.cells.data()[i] = std::isnan(stored.data()[i]);
-  return mask;
-}
-
-std::vector<CellStore<std::uint8_t>> make_mask_levels(const TreeCells& cells, const NodeGrid& grid, const Scratch& scratch, int threads) {
-  std::vector<CellStore<std::uint8_t>> levels;
-  for (int level = 1; level <= grid.levels(); ++level) {
-    const Size fine = grid.level_size(level - 1);
-    CellStore<std::uint8_t> coarse(grid.level_size(level), scratch, scratch.memory_bytes / 16);
-    std::vector<Window> windows;
-    visit_windows(fine, tile, [&](const Window& window) { windows.push_back(window); });
-    parallel_for(static_cast<std::int64_t>(windows.size()), threads, [&](std::int64_t i) {
-      const Window& at = windows[static_cast<std::size_t>(i)];
-      coarse.write({at.x / 2, at.y / 2, (at.width + 1) / 2, (at.height + 1) / 2}, coarsen_voids(read_mask(cells, levels, level - 1, at)).cells.view());
-    });
-    levels.push_back(std::move(coarse));
+// A mask of all levels: level 0 as it is found, the others kept.
+class MaskLevels {
+ public:
+  using Finder = std::function<Raster<std::uint8_t>(const Window&)>;
+  MaskLevels(const NodeGrid& grid, Finder find, const Scratch& scratch, int threads) : find_(std::move(find)) {
+    for (int level = 1; level <= grid.levels(); ++level) {
+      CellStore<std::uint8_t> coarse(grid.level_size(level), scratch, scratch.memory_bytes / 16);
+      std::vector<Window> windows;
+      visit_windows(grid.level_size(level - 1), tile, [&](const Window& window) { windows.push_back(window); });
+      std::vector<std::int64_t> counts(windows.size());
+      parallel_for(static_cast<std::int64_t>(windows.size()), threads, [&](std::int64_t i) {
+        const Window& at = windows[static_cast<std::size_t>(i)];
+        const VoidMask fine = read(level - 1, at);
+        counts[static_cast<std::size_t>(i)] = std::count(fine.cells.data(), fine.cells.data() + fine.cells.size().cells(), 1);
+        coarse.write({at.x / 2, at.y / 2, (at.width + 1) / 2, (at.height + 1) / 2}, coarsen_voids(fine).cells.view());
+      });
+      if (level == 1) count_ = std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+      levels_.push_back(std::move(coarse));
+    }
+    if (grid.levels() == 0) {
+      const Raster<std::uint8_t> all = find_({0, 0, grid.size().width, grid.size().height});
+      count_ = std::count(all.data(), all.data() + all.size().cells(), 1);
+    }
   }
-  return levels;
+  /// Cells of level 0 that are 1.
+  std::int64_t count() const { return count_; }
+  VoidMask read(int level, const Window& window) const {
+    return {level > 0 ? levels_[static_cast<std::size_t>(level - 1)].read(window) : find_(window), window.x, window.y};
+  }
+
+ private:
+  Finder find_;
+  std::int64_t count_ = 0;
+  std::vector<CellStore<std::uint8_t>> levels_;
+};
+
+// What encode_node(node, mask of its level around, mask of its block) gives for each node, and the mask of the coarsest level.
+MaskStreams encode_levels(const MaskLevels& levels, const NodeGrid& grid, int threads,
+                          const std::function<std::vector<std::byte>(const NodeAddress&, const VoidMask&, const VoidMask&)>& encode_node) {
+  MaskStreams masks;
+  masks.nodes.resize(static_cast<std::size_t>(grid.node_count()));
+  parallel_for(grid.node_count(), threads, [&](std::int64_t i) {
+    const NodeAddress node = grid.address(i);
+    const Window at = grid.cells(node);
+    const Window coarse = widen({at.x / 2, at.y / 2, (at.width + 1) / 2, (at.height + 1) / 2}, 1, grid.level_size(node.level));
+    masks.nodes[static_cast<std::size_t>(i)] = encode_node(node, levels.read(node.level, coarse), levels.read(node.level - 1, at));
+  });
+  const Size root = grid.level_size(grid.levels());
+  masks.root = encode_root_voids(levels.read(grid.levels(), {0, 0, root.width, root.height}));
+  return masks;
 }
 
 }  // namespace
 
 void visit_cells(const StoredSource& source, const std::function<void(const Window&, const Raster<double>&)>& visit) {
   visit_windows(source.size(), tile, [&](const Window& window) { visit(window, read_window(source, window)); });
+}
+
+Raster<double> read_level(const StoredSource& source, int level, const Window& window) {
+  if (level == 0) return read_window(source, window);
+  Raster<double> cells(window.width, window.height), row(((window.width - 1) << level) + 1, 1);
+  for (std::int64_t y = 0; y < window.height; ++y) {
+    source.read_stored({window.x << level, (window.y + y) << level, row.width(), 1}, row.view());
+    for (std::int64_t x = 0; x < window.width; ++x) cells(x, y) = row(x << level, 0);
+  }
+  return cells;
 }
 
 TreeCells read_tree_cells(const StoredSource& source, const TreeHeader& header, const Scratch& scratch) {
@@ -153,20 +194,39 @@ void MappedCells::read(const Window& window, RasterView<std::int32_t> values, Ra
     }
 }
 
+std::size_t MaskStreams::bytes() const {
+  return std::accumulate(nodes.begin(), nodes.end(), root.size(), [](std::size_t sum, const std::vector<std::byte>& node) { return sum + node.size(); });
+}
+
 MaskStreams encode_masks(const TreeCells& cells, const NodeGrid& grid, const Scratch& scratch, int threads) {
-  MaskStreams masks;
-  if (!cells.any_void) return masks;
-  const std::vector<CellStore<std::uint8_t>> levels = make_mask_levels(cells, grid, scratch, threads);
-  masks.nodes.resize(static_cast<std::size_t>(grid.node_count()));
-  parallel_for(grid.node_count(), threads, [&](std::int64_t i) {
-    const NodeAddress node = grid.address(i);
-    const Window at = grid.cells(node);
-    const Window coarse = widen({at.x / 2, at.y / 2, (at.width + 1) / 2, (at.height + 1) / 2}, 1, grid.level_size(node.level));
-    masks.nodes[static_cast<std::size_t>(i)] = encode_voids(grid, node, read_mask(cells, levels, node.level, coarse), read_mask(cells, levels, node.level - 1, at));
+  if (!cells.any_void) return {};
+  const auto find = [&](const Window& window) {
+    const Raster<double> stored = read_window(*cells.stored, window);
+    Raster<std::uint8_t> voids(window.width, window.height);
+    for (std::int64_t i = 0; i < stored.size().cells(); ++i) voids.data()[i] = std::isnan(stored.data()[i]);
+    return voids;
+  };
+  return encode_levels(MaskLevels(grid, find, scratch, threads), grid, threads,
+                       [&](const NodeAddress& node, const VoidMask& coarse, const VoidMask& fine) { return encode_voids(grid, node, coarse, fine); });
+}
+
+MaskStreams encode_flat_water(const TreeCells& cells, ValueType type, const NodeGrid& grid, double least_share, const Scratch& scratch, int threads) {
+  const auto find = [&](const Window& window) {
+    const Window wide = widen(window, flat_reach, cells.size());
+    const Raster<std::uint8_t> around = find_flat_cells(read_window(*cells.stored, wide).view());
+    Raster<std::uint8_t> flat(window.width, window.height);
+    for (std::int64_t y = 0; y < window.height; ++y)
+      std::copy_n(around.view().row(window.y + y - wide.y) + (window.x - wide.x), window.width, flat.view().row(y));
+    return flat;
+  };
+  if (grid.levels() == 0) return {};  // nodes have the values
+  const MaskLevels levels(grid, find, scratch, threads);
+  if (levels.count() == 0 || static_cast<double>(levels.count()) < least_share * static_cast<double>(cells.valid)) return {};
+  return encode_levels(levels, grid, threads, [&](const NodeAddress& node, const VoidMask& coarse, const VoidMask& fine) {
+    if (std::none_of(fine.cells.data(), fine.cells.data() + fine.cells.size().cells(), [](std::uint8_t flat) { return flat != 0; }))
+      return std::vector<std::byte>();
+    return encode_flat(grid, node, coarse, fine, read_level(*cells.stored, node.level - 1, grid.cells(node)).view(), type);
   });
-  const Size root = grid.level_size(grid.levels());
-  masks.root = encode_root_voids(read_mask(cells, levels, grid.levels(), {0, 0, root.width, root.height}));
-  return masks;
 }
 
 }  // namespace arete

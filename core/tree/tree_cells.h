@@ -31,6 +31,9 @@ TreeCells read_tree_cells(const StoredSource& source, const TreeHeader& header, 
 /// Gives all numbers of a raster away, part by part.
 void visit_cells(const StoredSource& source, const std::function<void(const Window&, const Raster<double>&)>& visit);
 
+/// Stored numbers of a window of a level: of every 2^level-th cell.
+Raster<double> read_level(const StoredSource& source, int level, const Window& window);
+
 /// The cells as single floats, voids filled with the smoothest surface: for coders that need a number everywhere. Rasters beyond
 /// 2048 cells along an axis are filled in tiles that look 128 cells beyond their borders. Safe to call from several threads.
 class FilledCells final : public RasterSource {
@@ -58,11 +61,18 @@ class MappedCells final : public NumberSource {
   ValueMap map_;
 };
 
-/// The streams of the mask of a raster with voids, by NodeGrid::index, and of the coarsest level; both empty where none is void.
+/// Streams of a mask by NodeGrid::index, and of the coarsest level; both empty where there is none.
 struct MaskStreams {
   std::vector<std::vector<std::byte>> nodes;
   std::vector<std::byte> root;
+  bool any() const { return !root.empty(); }
+  std::size_t bytes() const;
 };
+
+/// Of the voids.
 MaskStreams encode_masks(const TreeCells& cells, const NodeGrid& grid, const Scratch& scratch, int threads);
+
+/// Of dead-flat water, with its values (core/codec/flat_coder.h); none where less than `least_share` of the valid cells is water.
+MaskStreams encode_flat_water(const TreeCells& cells, ValueType type, const NodeGrid& grid, double least_share, const Scratch& scratch, int threads);
 
 }  // namespace arete

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "core/codec/void_mask_coder.h"
+#include "core/codec/stream_parts.h"
 
 namespace arete {
 namespace {
@@ -22,26 +22,38 @@ class TreeDraft::Bytes final : public ByteSource {
   ScratchBytes bytes_;
 };
 
-TreeDraft::TreeDraft(const MaskStreams& masks, const Scratch& scratch)
-    : masks_(masks), bytes_(std::make_shared<Bytes>(scratch)), writer_([bytes = bytes_](std::span<const std::byte> more) { bytes->append(more); }) {}
+TreeDraft::TreeDraft(const MaskStreams& masks, const MaskStreams& flat, const Scratch& scratch)
+    : masks_(masks),
+      flat_(flat),
+      bytes_(std::make_shared<Bytes>(scratch)),
+      writer_([bytes = bytes_](std::span<const std::byte> more) { bytes->append(more); }) {}
+
+std::vector<std::byte> TreeDraft::join(const std::vector<std::byte>& flat, const std::vector<std::byte>& mask, std::vector<std::byte> stream) const {
+  if (flat_.any()) stream = join_parts({flat, std::move(stream)});
+  if (masks_.any()) stream = join_parts({mask, std::move(stream)});
+  return stream;
+}
 
 NodeStore TreeDraft::nodes() {
-  const auto add = [this](std::vector<std::byte> stream) {
+  const std::vector<std::byte> none;
+  const auto add = [this, none](std::vector<std::byte> stream) {
     const std::size_t index = writer_.nodes().size();
-    writer_.add_node(masks_.root.empty() ? stream : join_parts({masks_.nodes[index], std::move(stream)}));
+    writer_.add_node(join(flat_.any() ? flat_.nodes[index] : none, masks_.any() ? masks_.nodes[index] : none, std::move(stream)));
   };
   const auto read = [this](std::int64_t index) {
     const NodeEntry& entry = writer_.nodes()[static_cast<std::size_t>(index)];
     std::vector<std::byte> stream(entry.bytes);
     bytes_->read(entry.position, stream);
-    return masks_.root.empty() ? stream : split_parts(stream, draft_name).cells;
+    if (masks_.any()) stream = split_parts(stream, draft_name).rest;
+    if (flat_.any()) stream = split_parts(stream, draft_name).rest;
+    return stream;
   };
   return {add, read};
 }
 
 std::shared_ptr<const ByteSource> TreeDraft::finish(TreeHeader header, const std::vector<std::byte>& root) {
-  header.voids = !masks_.root.empty();
-  header.root = header.voids ? join_parts({masks_.root, root}) : root;
+  header.voids = masks_.any();
+  header.root = join(flat_.root, masks_.root, root);
   writer_.finish(header);
   return bytes_;
 }

@@ -13,11 +13,12 @@
 
 namespace arete {
 
-/// A tree's file in the making: takes the streams of a coder, joins them with the masks, and gives back what it was given.
+/// A tree's file in the making: takes the streams of a coder, joins them with those of flat water, if any, and of the masks, and gives
+/// back what it was given.
 class TreeDraft {
  public:
-  /// `masks` must outlive it.
-  TreeDraft(const MaskStreams& masks, const Scratch& scratch);
+  /// `masks` and `flat` must outlive it.
+  TreeDraft(const MaskStreams& masks, const MaskStreams& flat, const Scratch& scratch);
   /// Refers to this object.
   NodeStore nodes();
   /// Ends the file. `header` lacks only `voids`; `root` is the coder's.
@@ -25,7 +26,9 @@ class TreeDraft {
 
  private:
   class Bytes;
+  std::vector<std::byte> join(const std::vector<std::byte>& flat, const std::vector<std::byte>& mask, std::vector<std::byte> stream) const;
   const MaskStreams& masks_;
+  const MaskStreams& flat_;
   std::shared_ptr<Bytes> bytes_;
   TreeWriter writer_;
 };

@@ -31,14 +31,5 @@ TEST(LowBits, OfAnotherCountAreRefused) {
   EXPECT_THROW(unpack_low_bits(std::vector<std::byte>(5, std::byte{7}), 100, 23, "x"), Error);
 }
 
-TEST(LowBits, JoinBehindNumbers) {
-  const NumberParts parts{std::vector<std::byte>(300, std::byte{1}), std::vector<std::byte>(4, std::byte{2})};
-  const NumberParts back = split_number_parts(join_number_parts(parts), "x");
-  EXPECT_EQ(back.numbers, parts.numbers);
-  EXPECT_EQ(back.low, parts.low);
-  EXPECT_TRUE(join_number_parts({}).empty());
-  EXPECT_THROW(split_number_parts(std::vector<std::byte>(1, std::byte{9}), "x"), Error);
-}
-
 }  // namespace
 }  // namespace arete

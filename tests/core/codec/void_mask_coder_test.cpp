@@ -44,15 +44,5 @@ TEST(VoidMaskCoder, RootComesBack) {
   EXPECT_THROW(decode_root_voids({}, root.cells.size(), "x"), Error);
 }
 
-TEST(VoidMaskCoder, PartsComeBackAndLiesAreRefused) {
-  const NodeParts parts{{std::byte{1}, std::byte{2}}, {std::byte{3}}};
-  const NodeParts again = split_parts(join_parts(parts), "x");
-  EXPECT_EQ(again.voids, parts.voids);
-  EXPECT_EQ(again.cells, parts.cells);
-  EXPECT_TRUE(join_parts({}).empty());
-  const std::vector<std::byte> lie{std::byte{9}, std::byte{1}};
-  EXPECT_THROW(split_parts(lie, "x"), Error);
-}
-
 }  // namespace
 }  // namespace arete

@@ -126,6 +126,49 @@ TEST(Compress, MemoryAndFilesGiveTheSameFile) {
   }
 }
 
+// Two lakes that touch, in terrain with a hole: exact at every level, beside cells that are not.
+TEST(Compress, FlatWaterIsExactWhereAskedFor) {
+  const Raster<float> terrain = codec_terrain(260, 200);
+  Raster<double> cells(260, 200);
+  for (std::int64_t y = 0; y < 200; ++y)
+    for (std::int64_t x = 0; x < 260; ++x)
+      cells(x, y) = y > 150 && x < 40 ? std::nan("") : y > 90 && x > 60 ? (x < 140 ? 417 : 415) : std::round(terrain(x, y));
+  const MemoryStored source(std::move(cells));
+  CompressOptions options;
+  options.target = {TreeClaim::rmse, 8};
+  options.node_side = 64;
+  options.flat = FlatWater::exact;
+  const MadeTree made = make_tree(source, int16_header(), options);
+  const ElevationTree tree = open_tree(made, 2);
+  std::int64_t off = 0;
+  for (int level = 0; level <= 2; ++level) {
+    const Size size = tree.level_size(level);
+    Raster<double> decoded(size.width, size.height);
+    tree.read_stored(level, {0, 0, size.width, size.height}, decoded.view());
+    for (std::int64_t y = 0; y < size.height; ++y)
+      for (std::int64_t x = 0; x < size.width; ++x) {
+        const double truth = source.cells()(x << level, y << level);
+        if ((y << level) > 90 && (x << level) > 60) ASSERT_EQ(decoded(x, y), truth) << level << ": " << x << ", " << y;
+        else off += decoded(x, y) != truth;
+        ASSERT_EQ(std::isnan(decoded(x, y)), std::isnan(truth));
+      }
+  }
+  EXPECT_GT(off, 1000);
+  Raster<double> part(50, 40), whole(260, 200);
+  tree.read_stored(0, {0, 0, 260, 200}, whole.view());
+  tree.read_stored(0, {111, 73, 50, 40}, part.view());
+  for (std::int64_t y = 0; y < 40; ++y)
+    for (std::int64_t x = 0; x < 50; ++x) EXPECT_EQ(part(x, y), whole(x + 111, y + 73));
+}
+
+TEST(Compress, FlatWaterIsLeftAloneWhereItDoesNotPay) {
+  const MemoryStored source = whole_metres(200, 160, false);
+  CompressOptions automatic, none;
+  automatic.target = none.target = {TreeClaim::rmse, 3};
+  none.flat = FlatWater::as_others;
+  EXPECT_EQ(make_tree(source, int16_header(), automatic).file, make_tree(source, int16_header(), none).file);
+}
+
 TEST(Compress, TinyAndFlatRasters) {
   for (const Size size : {Size{1, 1}, Size{1, 50}, Size{3, 2}, Size{40, 40}}) {
     const MemoryStored source(Raster<double>(size.width, size.height, 417));

@@ -37,5 +37,12 @@ TEST(FitWavelet, FillsTheBytes) {
 
 TEST(FitWavelet, SaysWhereNothingFits) { EXPECT_TRUE(fit({TreeClaim::bytes, 30}, 64).file == nullptr); }
 
+// More bytes than the finest step fills: the finest is taken, and its coefficients are in range.
+TEST(FitWavelet, MoreBytesThanNeededAreNotSpoiled) {
+  const FittedTree fitted = fit({TreeClaim::bytes, 1e7}, 64);
+  ASSERT_NE(fitted.file, nullptr);
+  EXPECT_LT(fitted.errors.rmse_m, 1e-3);
+}
+
 }  // namespace
 }  // namespace arete

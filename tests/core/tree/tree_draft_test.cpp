@@ -15,14 +15,15 @@ std::vector<std::byte> bytes_of(const char* text) {
 }
 
 // A raster of two levels, hence two nodes of level 1 and one of each level above.
-TEST(TreeDraft, GivesBackWhatItWasGivenWithAndWithoutMasks) {
+TEST(TreeDraft, GivesBackWhatItWasGivenWithAndWithoutMasksAndWater) {
   const NodeGrid grid({64, 32}, 32);
   MaskStreams masks;
   masks.root = bytes_of("m");
   masks.nodes.resize(static_cast<std::size_t>(grid.node_count()));
   masks.nodes.back() = bytes_of("mask");
-  for (const MaskStreams& chosen : {MaskStreams{}, masks}) {
-    TreeDraft draft(chosen, {0, std::filesystem::temp_directory_path().string()});
+  const MaskStreams none;
+  for (const auto& [chosen, flat] : {std::pair{none, none}, std::pair{masks, none}, std::pair{none, masks}, std::pair{masks, masks}}) {
+    TreeDraft draft(chosen, flat, {0, std::filesystem::temp_directory_path().string()});
     const NodeStore nodes = draft.nodes();
     for (std::int64_t i = 0; i < grid.node_count(); ++i) nodes.add(i == 1 ? std::vector<std::byte>() : bytes_of(i == 0 ? "first" : "other"));
     EXPECT_EQ(nodes.read(0), bytes_of("first"));
