@@ -15,7 +15,7 @@ inline constexpr int stretch_limit = 2816;
 int stretch(Probability p);
 
 /// The inverse: a probability of [16, 65520] for a logit in 1/256, held to [-stretch_limit, stretch_limit].
-Probability squash(int logit);
+Probability squash(std::int64_t logit);
 
 /// The probability of a 1 in one context, learned from the bits seen there. The first bits count most: after n bits the
 /// step is 1/(n + 1.5), down to 1/(limit + 1.5).
@@ -38,17 +38,17 @@ extern const std::array<std::uint16_t, 2 * stretch_limit + 1> squash_table;
 
 inline void BitModel::update(int bit, unsigned limit) {
   const unsigned n = state & 1023U;
-  const std::int64_t p22 = state >> 10;
-  const std::int64_t target = bit ? (1 << 22) - 1 : 0;
-  const std::int64_t moved = p22 + (((target - p22) * detail::steps[n]) >> 16);
-  state = (static_cast<std::uint32_t>(moved) << 10) | (n < limit ? n + 1 : n);
+  const std::int64_t way = std::int64_t{bit ? (1 << 22) - 1 : 0} - (state >> 10);
+  // Both parts in one sum: the probability stays within its 22 bits, the count within its 10.
+  state += (static_cast<std::uint32_t>((way * detail::steps[n]) >> 16) << 10) + (n < limit ? 1U : 0U);
 }
 
 inline int stretch(Probability p) { return detail::stretch_table[p >> 4]; }
 
-inline Probability squash(int logit) {
-  logit = logit < -stretch_limit ? -stretch_limit : logit > stretch_limit ? stretch_limit : logit;
-  return detail::squash_table[static_cast<std::size_t>(logit + stretch_limit)];
+inline Probability squash(std::int64_t logit) {
+  auto place = static_cast<std::uint64_t>(logit + stretch_limit);
+  if (place > 2U * stretch_limit) [[unlikely]] place = logit < 0 ? 0 : 2 * stretch_limit;
+  return detail::squash_table[place];
 }
 
 /// Weighs the predictions of `count` contexts of the same bit; the weights follow the gradient of the code length.
@@ -60,11 +60,11 @@ struct BitMixer {
   Probability mix(const std::array<int, count>& logits) const {
     std::int64_t sum = 0;
     for (int i = 0; i < count; ++i) sum += std::int64_t{weights[i]} * logits[i];
-    return squash(static_cast<int>(sum >> 16));
+    return squash(sum >> 16);
   }
   void update(const std::array<int, count>& logits, Probability p, int bit, int rate) {
-    const std::int64_t error = (bit << 16) - static_cast<int>(p);
-    for (int i = 0; i < count; ++i) weights[i] += static_cast<std::int32_t>((error * logits[i] * rate + (1 << 19)) >> 20);
+    const std::int64_t error = ((std::int64_t{bit} << 16) - std::int64_t{p}) * rate;
+    for (int i = 0; i < count; ++i) weights[i] += static_cast<std::int32_t>((error * logits[i] + (1 << 19)) >> 20);
   }
 };
 

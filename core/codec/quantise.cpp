@@ -37,7 +37,7 @@ RateTable make_rate_table() {
             table.bits[q][band][bin][k] = larger + 2 + 2 * std::log2(static_cast<float>(k - unary_steps + 1));
             continue;
           }
-          const double p = std::clamp<double>(models.energy[k][q][band][bin].p(), 20, 65516) / 65536;
+          const double p = std::clamp<double>(models.quantisers[q].energy[band][bin][k].p(), 20, 65516) / 65536;
           table.bits[q][band][bin][k] = larger + information(1 - p) + (k > 0 ? 1 : 0);
           larger += information(p);
         }
@@ -100,20 +100,16 @@ class BandSearch {
     costs_.fill(std::numeric_limits<float>::max() / 4);
     costs_[0] = 0;
     RowContext row(block.width());
-    for (int y = 0; y < block.height(); ++y) {
-      if (!any_on(block, y)) continue;
-      prepare_row(contexts, parent, band_, y, row);
-      visit_row(block, y, [&](int x) { extend(row, contexts.bands[static_cast<std::size_t>(band_)].magnitudes(y), x, y); });
-    }
+    for (int y = 0; y < block.height(); ++y)
+      visit_runs(block, y / square, [&](Columns columns) {
+        prepare_places(contexts, parent, band_, y, columns, row);
+        const std::uint8_t* magnitudes = contexts.bands[static_cast<std::size_t>(band_)].magnitudes(y);
+        for (int x = columns.first; x < columns.end; ++x) extend(row, magnitudes, x, y);
+      });
     trace_back(block);
   }
 
  private:
-  static bool any_on(const CoefficientBlock& block, int y) {
-    const std::uint8_t* flags = block.flags(y / square);
-    return std::any_of(flags, flags + block.squares_wide(), [](std::uint8_t f) { return f != 0; });
-  }
-
   template <class Visit>
   static void visit_row(const CoefficientBlock& block, int y, Visit visit) {
     for (int b = 0; b < block.squares_wide(); ++b)
@@ -122,7 +118,7 @@ class BandSearch {
   }
 
   void extend(const RowContext& context, const std::uint8_t* estimate, int x, int y) {
-    const int bin = energy_bin(expected_magnitude(context, band_, estimate, x));
+    const int bin = energy_bin_table[expected_magnitude(unpack_place(context.places[static_cast<std::size_t>(x)]), band_, estimate[x - 1], estimate[x - 2])];
     const float value = std::abs(values_(x, y));
     Step step;
     float cost[2][2];

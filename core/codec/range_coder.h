@@ -14,16 +14,21 @@ namespace arete {
 /// Probabilities of a 1, as 16-bit fixed point: p / 65536, 0 < p < 65536.
 using Probability = std::uint32_t;
 
-namespace detail {
-/// The upper halves agree, or the interval is too short to be divided well.
-inline bool must_shift(std::uint64_t low, std::uint64_t high) {
-  return ((low ^ high) >> 32) == 0 || high - low < (std::uint64_t{1} << 24);
-}
-}  // namespace detail
+// Intervals are kept as their first value and their width less one. As long as the width has more than 32 bits nothing can move
+// out, which is all that the common case asks; the rest is decided in range_coder.cpp.
 
 class RangeEncoder {
  public:
-  void encode(int bit, Probability p);
+  void encode(int bit, Probability p) {
+    const std::uint64_t part = (width_ >> 16) * p;
+    if (bit) {
+      width_ = part;
+    } else {
+      low_ += part + 1;
+      width_ -= part + 1;
+    }
+    if (width_ >> 32 == 0) [[unlikely]] shift_out();
+  }
   /// Bits of equal probability, the most significant first; 0 <= count <= 32.
   void encode_raw(std::uint32_t value, int count);
   /// Ends the stream and hands over its bytes. Zero bytes at the end are dropped: the decoder supplies them.
@@ -33,7 +38,7 @@ class RangeEncoder {
  private:
   void shift_out();
   std::uint64_t low_ = 0;
-  std::uint64_t high_ = ~std::uint64_t{0};
+  std::uint64_t width_ = ~std::uint64_t{0};
   std::vector<std::byte> bytes_;
 };
 
@@ -42,25 +47,38 @@ class RangeEncoder {
 class RangeDecoder {
  public:
   explicit RangeDecoder(std::span<const std::byte> bytes);
-  int decode(Probability p) {
-    const std::uint64_t middle = low_ + ((high_ - low_) >> 16) * p;
-    const int bit = code_ <= middle;
-    if (bit)
-      high_ = middle;
-    else
-      low_ = middle + 1;
-    if (detail::must_shift(low_, high_)) shift_in();
-    return bit;
-  }
+  /// The interval as seen from the code: its width less one and how far the code lies above its first value.
+  struct Interval {
+    std::uint64_t width;
+    std::uint64_t offset;
+  };
+  int decode(Probability p) { return decode(p, interval_); }
   std::uint32_t decode_raw(int count);
 
+  /// The same on an interval that the caller keeps, so that a long loop has it in registers: starts as interval(), and all bits
+  /// from there on are decoded from it.
+  int decode(Probability p, Interval& at) {
+    const std::uint64_t part = (at.width >> 16) * p;
+    const int bit = at.offset <= part;
+    if (bit) {
+      at.width = part;
+    } else {
+      at.offset -= part + 1;
+      at.width -= part + 1;
+    }
+    if (at.width >> 32 == 0) [[unlikely]] at = shift_in(at);
+    return bit;
+  }
+  const Interval& interval() const { return interval_; }
+
  private:
-  void shift_in();
-  std::uint64_t low_ = 0;
-  std::uint64_t high_ = ~std::uint64_t{0};
-  std::uint64_t code_ = 0;
+  Interval shift_in(Interval at);
+  std::uint64_t next_bytes(int count);
   std::span<const std::byte> bytes_;
   std::size_t position_ = 0;
+  std::uint64_t code_ = 0;
+  std::uint64_t base_ = 0;  ///< the code, or the first value of the interval where that is greater
+  Interval interval_;
 };
 
 }  // namespace arete

@@ -13,112 +13,143 @@ namespace {
 
 constexpr int mixing_rate = 20;
 
+// The interval of the decoder is a copy that the compiler keeps in registers: everything between two bits is inlined for it.
+
 struct EncodingBits {
-  RangeEncoder& coder;
-  int operator()(int bit, Probability p) {
-    coder.encode(bit, p);
+  static constexpr bool decoding = false;
+  RangeEncoder* coder;
+  [[gnu::always_inline]] bool operator()(bool bit, Probability p) {
+    coder->encode(bit, p);
     return bit;
   }
 };
 
 struct DecodingBits {
-  RangeDecoder& coder;
-  int operator()(int, Probability p) { return coder.decode(p); }
+  static constexpr bool decoding = true;
+  RangeDecoder* coder;
+  RangeDecoder::Interval interval;
+  [[gnu::always_inline]] bool operator()(bool, Probability p) { return coder->decode(p, interval) != 0; }
 };
 
 Probability held(Probability p) { return std::clamp<Probability>(p, 16, 65520); }
 
 template <class Bits>
-int code_bit(Bits& bits, BitModel& model, unsigned limit, int bit) {
+[[gnu::always_inline]] inline bool code_bit(Bits& bits, BitModel& model, unsigned limit, bool bit) {
   bit = bits(bit, held(model.p()));
   model.update(bit, limit);
   return bit;
 }
 
-template <int count, class Bits>
-int code_mixed(Bits& bits, const std::array<BitModel*, count>& contexts, BitMixer<count>& mixer, unsigned limit, int bit) {
-  std::array<int, count> logits;
-  for (int i = 0; i < count; ++i) logits[i] = stretch(contexts[i]->p());
+// A bit that two contexts predict together. Each of its values has its own code, so that what follows need not wait for it.
+template <class Bits>
+[[gnu::always_inline]] inline bool code_mixed(Bits& bits, BitModel& a, BitModel& b, BitMixer<2>& mixer, unsigned limit, bool bit) {
+  const std::array<int, 2> logits{stretch(a.p()), stretch(b.p())};
   const Probability p = mixer.mix(logits);
-  bit = bits(bit, p);
-  mixer.update(logits, p, bit, mixing_rate);
-  for (int i = 0; i < count; ++i) contexts[i]->update(bit, limit);
-  return bit;
+  const auto learn = [&](int value) __attribute__((always_inline)) {
+    mixer.update(logits, p, value, mixing_rate);
+    a.update(value, limit);
+    b.update(value, limit);
+  };
+  if (bits(bit, p)) {
+    learn(1);
+    return true;
+  }
+  learn(0);
+  return false;
 }
 
-// Codes one coefficient in the contexts of its place.
-template <class Bits>
+/// local_bins times the bin of near + left.
+constexpr auto near_offsets = [] {
+  std::array<std::uint8_t, near_limit + 256> table{};
+  for (int sum = 0; sum < near_limit + 256; ++sum) table[static_cast<std::size_t>(sum)] = static_cast<std::uint8_t>(local_bins * local_bin(sum));
+  return table;
+}();
+
+constexpr auto mixer_bins = [] {
+  std::array<std::uint8_t, energy_bins> table{};
+  for (int bin = 0; bin < energy_bins; ++bin) table[static_cast<std::size_t>(bin)] = static_cast<std::uint8_t>(std::min(local_bins - 1, bin / 4));
+  return table;
+}();
+
+// Codes the coefficients of a band in the contexts of their places.
+template <class Bits, int band>
 class CoefficientCoder {
  public:
-  CoefficientCoder(Bits bits, SubbandModels& models, int band) : bits_(bits), models_(models), band_(band) {}
+  CoefficientCoder(Bits bits, SubbandModels& models) : bits_(bits), models_(models), limit_(models.limit) {}
+  Bits& bits() { return bits_; }
 
-  /// `value` is the coefficient (encoding) or ignored (decoding); gives the coefficient and moves the state.
-  std::int32_t code(std::int32_t value, const CoefficientBlock& block, int x, int y, const RowContext& context, int& state) {
-    const int quantiser = quantiser_of(state);
-    place(block.magnitudes(y), x, context, quantiser);
-    const std::int32_t k = code_index(lattice_index(std::abs(value), quantiser));
-    state = trellis_next[static_cast<std::size_t>(state)][k & 1];
-    if (k == 0) return 0;
-    const bool negative = code_sign(value < 0, block.row(y) + x, block.stride());
-    return negative ? -lattice_point(k, quantiser) : lattice_point(k, quantiser);
+  /// Columns of row y, whose context is prepared. Encoding, the block has them already.
+  template <class Block>
+  void code_columns(Block& block, int y, Columns columns, const RowContext& context) {
+    Bits bits = bits_;
+    SubbandModels& models = models_;
+    const unsigned limit = limit_;
+    unsigned state = state_;
+    const auto row = block.row(y);
+    const std::uint32_t* places = context.places.data();
+    int left = held(row[columns.first - 1]), left2 = held(row[columns.first - 2]);
+    for (std::ptrdiff_t x = columns.first; x < columns.end; ++x) {
+      const PlaceContext place = unpack_place(places[x]);
+      const unsigned energy = expected_magnitude(place, band, left, left2);
+      const int quantiser = quantiser_of(static_cast<int>(state));
+      const std::int32_t k = code_index(bits, models, limit, place, energy, quantiser, left, Bits::decoding ? 0 : std::abs(row[x]));
+      state = trellis_next[state][k & 1];
+      left2 = left;
+      left = 0;
+      if (k == 0) continue;
+      const std::int32_t magnitude = lattice_point(k, quantiser);
+      const bool negative = code_sign(bits, models, limit, row[x] < 0, static_cast<int>(energy), context.signs[static_cast<std::size_t>(x)], row + x);
+      left = std::min(magnitude, 255);
+      if constexpr (Bits::decoding) row[x] = negative ? -magnitude : magnitude;
+    }
+    bits_ = bits;
+    state_ = state;
+    if constexpr (Bits::decoding) block.hold_magnitudes(y, columns.first, columns.end);
   }
 
  private:
-  void place(const std::uint8_t* row, int x, const RowContext& context, int quantiser) {
-    const auto i = static_cast<std::size_t>(x);
-    const int left = row[x - 1];
-    quantiser_ = quantiser;
-    energy_ = expected_magnitude(context, band_, row, x);
-    energy_bin_ = energy_bin(energy_);
-    local_ = local_bin((context.near[i] + 2 * left) / 2);
-    cross_ = context.cross[i];
-    mixer_ = std::min(local_bins - 1, energy_bin_ / 4);
-  }
+  static int held(std::int32_t value) { return std::min(std::abs(value), 255); }
+  static int held_value(std::int32_t value) { return std::clamp(value, -255, 255); }
 
-  int code_decision(int u, int bit) {
-    const std::array<BitModel*, 2> contexts{
-        &models_.energy[u][quantiser_][band_][energy_bin_],
-        &models_.local[u][quantiser_][local_][cross_][band_ == 2],
-    };
-    return code_mixed<2>(bits_, contexts, models_.mixer[u][quantiser_][mixer_], models_.limit, bit);
-  }
-
-  std::int32_t code_index(std::int32_t k) {
-    for (int u = 0; u < unary_steps; ++u)
-      if (!code_decision(u, k > u)) return u;
-    return unary_steps + code_exp_golomb(k - unary_steps);
+  [[gnu::always_inline]] static std::int32_t code_index(Bits& bits, SubbandModels& all, unsigned limit, PlaceContext place, unsigned energy, int quantiser, int left, std::int32_t magnitude) {
+    SubbandModels::Quantiser& models = all.quantisers[quantiser];
+    const std::size_t bin = energy_bin_table[energy];
+    BitModel* const by_energy = models.energy[band][bin];
+    BitModel* const by_place = models.local[band == 2][0][near_offsets[static_cast<std::size_t>(place.near + left)] + place.cross];
+    BitMixer<2>* const mixers = models.mixer[mixer_bins[bin]];
+    const std::int32_t k = lattice_index(magnitude, quantiser);
+    if (!code_mixed(bits, by_energy[0], by_place[0], mixers[0], limit, k > 0)) return 0;
+    for (int u = 1; u < unary_steps; ++u)
+      if (!code_mixed(bits, by_energy[u], by_place[u], mixers[u], limit, k > u)) return u;
+    return unary_steps + code_exp_golomb(bits, all, limit, static_cast<int>(bin), k - unary_steps);
   }
 
   // Exp-Golomb: the number of bits of rest + 1 in unary, then these bits but the first.
-  std::int32_t code_exp_golomb(std::int32_t rest) {
-    BitModel* const exponents = models_.exponent[std::min(3, energy_bin_ / 10)];
+  [[gnu::always_inline]] static std::int32_t code_exp_golomb(Bits& bits, SubbandModels& models, unsigned limit, int bin, std::int32_t rest) {
+    BitModel* const exponents = models.exponent[std::min(3, bin / 10)];
     const int wanted = std::bit_width(static_cast<std::uint32_t>(rest) + 1) - 1;
-    int bits = 0;
-    while (bits < exponent_steps - 3 && code_bit(bits_, exponents[bits], models_.limit, wanted > bits)) ++bits;
+    int count = 0;
+    while (count < exponent_steps - 3 && code_bit(bits, exponents[count], limit, wanted > count)) ++count;
     std::uint32_t value = 1;
-    for (int i = bits - 1; i >= 0; --i) {
-      const int bit = static_cast<int>(((static_cast<std::uint32_t>(rest) + 1) >> i) & 1U);
-      value = 2 * value + static_cast<std::uint32_t>(i == bits - 1 ? code_bit(bits_, models_.mantissa[bits], models_.limit, bit) : bits_(bit, 1U << 15));
+    for (int i = count - 1; i >= 0; --i) {
+      const bool bit = ((static_cast<std::uint32_t>(rest) + 1) >> i) & 1U;
+      value = 2 * value + (i == count - 1 ? code_bit(bits, models.mantissa[count], limit, bit) : bits(bit, 1U << 15));
     }
     return static_cast<std::int32_t>(value) - 1;
   }
 
-  bool code_sign(bool negative, const std::int32_t* at, std::ptrdiff_t stride) {
-    const MeanWeights& w = mean_weights[band_];
-    const auto held_value = [](std::int32_t v) { return std::clamp(v, -255, 255); };
-    const int mean = w.left * held_value(at[-1]) + w.left2 * held_value(at[-2]) + w.up * held_value(at[-stride]) +
-                     w.up2 * held_value(at[-2 * stride]) + w.up_left * held_value(at[-stride - 1]) +
-                     w.up_right * held_value(at[-stride + 1]);
-    const int bin = std::clamp(((mean >> 1) + 8 * (energy_ + 8)) / (energy_ + 8), 0, mean_bins - 1);
-    const int pattern = (sign_of(at[-1]) + 1) + 3 * (sign_of(at[-stride]) + 1) + 9 * (sign_of(at[-stride - 1]) + 1);
-    const std::array<BitModel*, 2> contexts{&models_.sign_mean[band_][bin], &models_.sign_pattern[band_][pattern]};
-    return code_mixed<2>(bits_, contexts, models_.sign_mixer[band_], models_.limit, negative) != 0;
+  [[gnu::always_inline]] static bool code_sign(Bits& bits, SubbandModels& models, unsigned limit, bool negative, int energy, std::int32_t above, const std::int32_t* at) {
+    constexpr MeanWeights w = mean_weights[band];
+    const int mean = (above >> 8) + w.left * held_value(at[-1]) + w.left2 * held_value(at[-2]);
+    const int bin = std::clamp(((mean >> 1) + 8 * (energy + 8)) / (energy + 8), 0, mean_bins - 1);
+    const int pattern = (above & 255) + sign_of(at[-1]) + 1;
+    return code_mixed(bits, models.sign_mean[band][bin], models.sign_pattern[band][pattern], models.sign_mixer[band], limit, negative);
   }
 
   Bits bits_;
   SubbandModels& models_;
-  int band_;
-  int quantiser_ = 0, energy_ = 0, energy_bin_ = 0, local_ = 0, cross_ = 0, mixer_ = 0;
+  const unsigned limit_;
+  unsigned state_ = 0;
 };
 
 // Magnitudes of the parent under a square of a block.
@@ -129,12 +160,11 @@ int parent_magnitude(const CoefficientBlock& block, int x0, int y0) {
   return sum;
 }
 
-// One flag for each square of a strip of squares: whether its coefficients are coded.
-template <class Bits>
-void code_flags(Bits& bits, SubbandModels& models, int band, const CoefficientBlock& wanted, const ParentView& parent, int strip,
-                CoefficientBlock& block) {
+// One flag for each square of a strip of squares: whether its coefficients are coded. Encoding, the block has them already.
+template <class Bits, class Block>
+[[gnu::always_inline]] inline void code_flags(Bits& bits, SubbandModels& models, int band, const ParentView& parent, int strip, Block& block) {
   const int wide = block.squares_wide();
-  std::uint8_t* flags = block.flags(strip);
+  const auto flags = block.flags(strip);
   const std::uint8_t* above = strip > 0 ? block.flags(strip - 1) : nullptr;
   const int half = CoefficientBlock::square / 2;
   for (int b = 0; b < wide; ++b) {
@@ -143,51 +173,47 @@ void code_flags(Bits& bits, SubbandModels& models, int band, const CoefficientBl
     const int coarse = parent.node ? parent_magnitude(parent.node->bands[static_cast<std::size_t>(band)],
                                                       parent.origin_x + b * half, parent.origin_y + strip * half)
                                    : 0;
-    flags[b] = static_cast<std::uint8_t>(code_bit(bits, models.block[band][local_bin(coarse)][neighbours], models.limit, wanted.flags(strip)[b]));
+    const bool on = code_bit(bits, models.block[band][local_bin(coarse)][neighbours], models.limit, flags[b] != 0);
+    if constexpr (Bits::decoding) flags[b] = on;
   }
 }
 
-template <class Bits>
-void code_band(Bits bits, SubbandModels& models, int band, const NodeCoefficients& target, const ParentView& parent, NodeCoefficients& done) {
-  CoefficientBlock& block = done.bands[static_cast<std::size_t>(band)];
-  const CoefficientBlock& wanted = target.bands[static_cast<std::size_t>(band)];
-  if (block.width() == 0 || block.height() == 0) return;
-  CoefficientCoder<Bits> coder(bits, models, band);
+// `Node` is const to encode.
+template <int band, class Bits, class Node>
+Bits code_band(Bits bits, SubbandModels& models, const ParentView& parent, Node& node) {
+  auto& block = node.bands[static_cast<std::size_t>(band)];
+  if (block.width() == 0 || block.height() == 0) return bits;
+  CoefficientCoder<Bits, band> coder(bits, models);
   RowContext context(block.width());
-  int state = 0;
   for (int y = 0; y < block.height(); ++y) {
     const int strip = y / CoefficientBlock::square;
-    if (y % CoefficientBlock::square == 0) code_flags(bits, models, band, wanted, parent, strip, block);
-    const std::uint8_t* flags = block.flags(strip);
-    if (std::none_of(flags, flags + block.squares_wide(), [](std::uint8_t f) { return f != 0; })) continue;
-    prepare_row(done, parent, band, y, context);
-    for (int b = 0; b < block.squares_wide(); ++b) {
-      if (!flags[b]) continue;
-      const int end = std::min((b + 1) * CoefficientBlock::square, block.width());
-      for (int x = b * CoefficientBlock::square; x < end; ++x) block.set(x, y, coder.code(wanted.row(y)[x], block, x, y, context, state));
-    }
+    if (y % CoefficientBlock::square == 0) code_flags(coder.bits(), models, band, parent, strip, block);
+    visit_runs(block, strip, [&](Columns columns) {
+      prepare_row(node, parent, band, y, columns, context);
+      coder.code_columns(block, y, columns, context);
+    });
   }
+  return coder.bits();
 }
 
-template <class Bits>
-void code_node(Bits bits, SubbandModels& models, const NodeCoefficients& target, const ParentView& parent, NodeCoefficients& done) {
-  for (int band = 0; band < band_count; ++band) code_band(bits, models, band, target, parent, done);
+template <class Bits, class Node>
+void code_node(Bits bits, SubbandModels& models, const ParentView& parent, Node& node) {
+  bits = code_band<0>(bits, models, parent, node);
+  bits = code_band<1>(bits, models, parent, node);
+  code_band<2>(bits, models, parent, node);
 }
 
 }  // namespace
 
 std::vector<std::byte> encode_subbands(const NodeCoefficients& node, const ParentView& parent, SubbandModels& models) {
-  NodeCoefficients done;
-  for (std::size_t i = 0; i < band_count; ++i) done.bands[i] = CoefficientBlock(node.bands[i].width(), node.bands[i].height());
   RangeEncoder encoder;
-  code_node(EncodingBits{encoder}, models, node, parent, done);
+  code_node(EncodingBits{&encoder}, models, parent, node);
   return encoder.finish();
 }
 
 void decode_subbands(std::span<const std::byte> bytes, const ParentView& parent, SubbandModels& models, NodeCoefficients& node) {
   RangeDecoder decoder(bytes);
-  // The coder reads its target only to encode: decoding, target and result are one.
-  code_node(DecodingBits{decoder}, models, node, parent, node);
+  code_node(DecodingBits{&decoder, decoder.interval()}, models, parent, node);
 }
 
 }  // namespace arete

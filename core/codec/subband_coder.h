@@ -42,6 +42,16 @@ class CoefficientBlock {
   const std::uint8_t* flags(int square_row) const { return flags_.data() + static_cast<std::ptrdiff_t>(square_row) * squares_wide(); }
   /// Row y from -border to height + border - 1; columns from -border on may be read.
   const std::int32_t* row(int y) const { return cells_.data() + offset(y); }
+  /// To change values of a row; hold_magnitudes must follow for the columns [first, end) that were.
+  std::int32_t* row(int y) { return cells_.data() + offset(y); }
+  void hold_magnitudes(int y, int first, int end) {
+    const std::int32_t* from = row(y);
+    std::uint8_t* to = magnitudes_.data() + offset(y);
+    for (int x = first; x < end; ++x) {
+      const std::int32_t magnitude = from[x] < 0 ? -from[x] : from[x];
+      to[x] = static_cast<std::uint8_t>(magnitude < 255 ? magnitude : 255);
+    }
+  }
   /// The magnitudes of a row, held to 255: all that contexts need.
   const std::uint8_t* magnitudes(int y) const { return magnitudes_.data() + offset(y); }
   void set(int x, int y, std::int32_t value) {

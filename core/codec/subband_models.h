@@ -18,10 +18,13 @@ inline constexpr int exponent_steps = 28;  ///< of the Exp-Golomb code
 
 struct SubbandModels {
   unsigned limit = 160;  ///< of the adaptation of probabilities, see BitModel; 1000 while they are trained
-  // [decision][quantiser of the trellis state][...]
-  BitModel energy[unary_steps][2][band_count][energy_bins];
-  BitModel local[unary_steps][2][local_bins][local_bins][2];
-  BitMixer<2> mixer[unary_steps][2][local_bins];
+  /// Of one of the trellis state's quantisers. The decisions of a coefficient lie side by side.
+  struct Quantiser {
+    BitModel energy[band_count][energy_bins][unary_steps];
+    BitModel local[2][local_bins][local_bins][unary_steps];  ///< [1 of the diagonal band][near][cross]
+    BitMixer<2> mixer[local_bins][unary_steps];
+  };
+  Quantiser quantisers[2];
   BitModel exponent[4][exponent_steps];
   BitModel mantissa[exponent_steps];
   BitModel sign_mean[band_count][mean_bins];
@@ -29,5 +32,33 @@ struct SubbandModels {
   BitMixer<2> sign_mixer[band_count];
   BitModel block[band_count][local_bins][4];
 };
+
+/// Visits all models and mixers in the order in which core/codec/tree-format.md lists their first states.
+template <class Models, class Visit>
+void visit_models(Models& models, Visit visit) {
+  for (int u = 0; u < unary_steps; ++u)
+    for (auto& quantiser : models.quantisers)
+      for (auto& band : quantiser.energy)
+        for (auto& bin : band) visit(bin[u]);
+  for (int u = 0; u < unary_steps; ++u)
+    for (auto& quantiser : models.quantisers)
+      for (int near = 0; near < local_bins; ++near)
+        for (int cross = 0; cross < local_bins; ++cross)
+          for (auto& diagonal : quantiser.local) visit(diagonal[near][cross][u]);
+  for (auto& step : models.exponent)
+    for (auto& model : step) visit(model);
+  for (auto& model : models.mantissa) visit(model);
+  for (auto& band : models.sign_mean)
+    for (auto& model : band) visit(model);
+  for (auto& band : models.sign_pattern)
+    for (auto& model : band) visit(model);
+  for (auto& band : models.block)
+    for (auto& bin : band)
+      for (auto& model : bin) visit(model);
+  for (int u = 0; u < unary_steps; ++u)
+    for (auto& quantiser : models.quantisers)
+      for (auto& bin : quantiser.mixer) visit(bin[u]);
+  for (auto& mixer : models.sign_mixer) visit(mixer);
+}
 
 }  // namespace arete

@@ -73,19 +73,11 @@ void add_examples(const Raster<float>& cells, std::vector<Example>& examples) {
   }
 }
 
-template <class Array>
-void print(const Array& models, int& column) {
-  for (const auto& model : models) {
-    if constexpr (requires { model.state; }) {
-      const int count = std::min(greatest_count, static_cast<int>(model.state & 1023U) / 4);
-      const int logit = static_cast<int>(std::lround(stretch(std::clamp<Probability>(model.p(), 16, 65520)) / 24.0));
-      std::printf("%d,%c", 32 * logit + count, ++column % 20 ? ' ' : '\n');
-    } else if constexpr (requires { model.weights; }) {
-      for (std::int32_t weight : model.weights) std::printf("%d,%c", weight, ++column % 20 ? ' ' : '\n');
-    } else {
-      print(model, column);
-    }
-  }
+void print(std::int32_t value, int& column) { std::printf("%d,%c", value, ++column % 20 ? ' ' : '\n'); }
+
+std::int32_t pack(const BitModel& model) {
+  const int count = std::min(greatest_count, static_cast<int>(model.state & 1023U) / 4);
+  return 32 * static_cast<std::int32_t>(std::lround(stretch(std::clamp<Probability>(model.p(), 16, 65520)) / 24.0)) + count;
 }
 
 }  // namespace
@@ -111,14 +103,11 @@ int main(int argc, char** argv) {
     }
   std::fprintf(stderr, "%zu nodes, %zu bytes\n", examples.size(), bytes / 2);
   int column = 0;
-  print(models.energy, column);
-  print(models.local, column);
-  print(models.exponent, column);
-  print(models.mantissa, column);
-  print(models.sign_mean, column);
-  print(models.sign_pattern, column);
-  print(models.block, column);
-  print(models.mixer, column);
-  print(models.sign_mixer, column);
+  visit_models(models, [&](const auto& model) {
+    if constexpr (requires { model.state; })
+      print(pack(model), column);
+    else
+      for (std::int32_t weight : model.weights) print(weight, column);
+  });
   std::printf("\n");
 }

@@ -11,13 +11,32 @@ TEST(SubbandStates, ZerosGrowRareWithTheExpectedMagnitude) {
   for (int quantiser = 0; quantiser < 2; ++quantiser)
     for (int band = 0; band < band_count; ++band)
       for (int bin = 8; bin < 24; bin += 4)
-        EXPECT_GT(models.energy[0][quantiser][band][bin + 4].p(), models.energy[0][quantiser][band][bin].p()) << quantiser << band << bin;
+        EXPECT_GT(models.quantisers[quantiser].energy[band][bin + 4][0].p(), models.quantisers[quantiser].energy[band][bin][0].p())
+            << quantiser << band << bin;
 }
 
 TEST(SubbandStates, TheWholeTableIsRead) {
   const SubbandModels& models = initial_subband_models();
   for (const BitMixer<2>& mixer : models.sign_mixer)
     for (std::int32_t weight : mixer.weights) EXPECT_NE(weight, 0);
+}
+
+// The count of core/codec/tree-format.md, 6.6.
+TEST(SubbandStates, AllModelsAreVisitedOnce) {
+  SubbandModels models;
+  int numbers = 0;
+  visit_models(models, [&](auto& model) {
+    if constexpr (requires { model.state; }) {
+      ++numbers;
+      ASSERT_NE(model.state, 0U);
+      model.state = 0;
+    } else {
+      numbers += 2;
+      ASSERT_NE(model.weights[0], 0);
+      model.weights[0] = 0;
+    }
+  });
+  EXPECT_EQ(numbers, 5651);
 }
 
 }  // namespace
