@@ -1,16 +1,24 @@
+// Plain loops, compiled once for each instruction set: the compiler vectorises them over x. No sum is reordered, so that the
+// values are the same with all of them.
 #include "core/codec/wavelet.h"
 
 #include <cassert>
 #include <cstddef>
 #include <vector>
 
-namespace arete {
-namespace {
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "core/codec/wavelet.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#ifndef ARETE_WAVELET_FACTORS
+#define ARETE_WAVELET_FACTORS
+namespace arete::lifting {
 
 // Lifting steps: odd from even, even from odd, odd from even, even from odd. The first factor goes with the two nearest
 // samples, the second with the next two. The last factor of the third step makes details of constants zero, the last of
 // the fourth makes the low-pass band blind to the highest frequency.
-constexpr float step_factors[4][2] = {
+inline constexpr float step_factors[4][2] = {
     {-1.57278217F, 0.14314374F},
     {-0.04921203F, 0.02216245F},
     {0.86679982F, -0.02212343F},
@@ -18,14 +26,27 @@ constexpr float step_factors[4][2] = {
 };
 
 // Makes the low-pass gain of a constant 1.
-constexpr float low_scale = 0.90860742F;
-constexpr float low_unscale = 1 / low_scale;
+inline constexpr float low_scale = 0.90860742F;
+inline constexpr float low_unscale = 1 / low_scale;
 
-constexpr int reach = wavelet_reach / 2;  // in coefficients
+inline constexpr int reach = wavelet_reach / 2;  // in coefficients
+
+}  // namespace arete::lifting
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace arete {
+namespace HWY_NAMESPACE {
+
+using lifting::low_scale;
+using lifting::low_unscale;
+using lifting::reach;
+using lifting::step_factors;
 
 // to[i] += sign x (a (u[i] + v[i]) + b (p[i] + q[i]))
 template <int sign>
-void lift(float* to, const float* u, const float* v, const float* p, const float* q, const float (&factors)[2], std::int64_t count) {
+HWY_INLINE void lift(float* HWY_RESTRICT to, const float* HWY_RESTRICT u, const float* HWY_RESTRICT v, const float* HWY_RESTRICT p,
+                     const float* HWY_RESTRICT q, const float (&factors)[2], std::int64_t count) {
   const float a = factors[0], b = factors[1];
   for (std::int64_t i = 0; i < count; ++i) {
     const float change = a * (u[i] + v[i]) + b * (p[i] + q[i]);
@@ -34,7 +55,7 @@ void lift(float* to, const float* u, const float* v, const float* p, const float
 }
 
 // The same over a signal split in even and odd samples, each reach + n + reach long; the steps eat the margins.
-void lift_forward(float* even, float* odd, std::int64_t n) {
+void lift_forward(float* HWY_RESTRICT even, float* HWY_RESTRICT odd, std::int64_t n) {
   const std::int64_t m = n + 2 * reach;
   lift<1>(odd + 1, even + 1, even + 2, even, even + 3, step_factors[0], m - 3);
   lift<1>(even + 3, odd + 2, odd + 3, odd + 1, odd + 4, step_factors[1], m - 6);
@@ -42,7 +63,7 @@ void lift_forward(float* even, float* odd, std::int64_t n) {
   lift<1>(even + 6, odd + 5, odd + 6, odd + 4, odd + 7, step_factors[3], m - 12);
 }
 
-void lift_backward(float* even, float* odd, std::int64_t n) {
+void lift_backward(float* HWY_RESTRICT even, float* HWY_RESTRICT odd, std::int64_t n) {
   const std::int64_t m = n + 2 * reach;
   lift<-1>(even + 2, odd + 1, odd + 2, odd, odd + 3, step_factors[3], m - 3);
   lift<-1>(odd + 3, even + 3, even + 4, even + 2, even + 5, step_factors[2], m - 6);
@@ -50,31 +71,114 @@ void lift_backward(float* even, float* odd, std::int64_t n) {
   lift<-1>(odd + 6, even + 6, even + 7, even + 5, even + 8, step_factors[0], m - 12);
 }
 
-// Rows of a block, even and odd ones apart, lifted as one: row i of `even` is even + i x width.
-struct RowPair {
-  std::vector<float> even, odd;
-  std::int64_t width;
-  RowPair(std::int64_t rows, std::int64_t columns)
-      : even(static_cast<std::size_t>(rows * columns)), odd(static_cast<std::size_t>(rows * columns)), width(columns) {}
-  float* even_row(std::int64_t i) { return even.data() + i * width; }
-  float* odd_row(std::int64_t i) { return odd.data() + i * width; }
+HWY_INLINE void scale(float* HWY_RESTRICT to, const float* HWY_RESTRICT from, float factor, std::int64_t count) {
+  for (std::int64_t i = 0; i < count; ++i) to[i] = from[i] * factor;
+}
+
+HWY_INLINE void copy(float* HWY_RESTRICT to, const float* HWY_RESTRICT from, std::int64_t count) {
+  for (std::int64_t i = 0; i < count; ++i) to[i] = from[i];
+}
+
+HWY_INLINE void split(const float* HWY_RESTRICT from, float* HWY_RESTRICT even, float* HWY_RESTRICT odd, std::int64_t count) {
+  for (std::int64_t i = 0; i < count; ++i) {
+    even[i] = from[2 * i];
+    odd[i] = from[2 * i + 1];
+  }
+}
+
+HWY_INLINE void join(float* HWY_RESTRICT to, const float* HWY_RESTRICT even, const float* HWY_RESTRICT odd, std::int64_t count) {
+  for (std::int64_t i = 0; i < count; ++i) {
+    to[2 * i] = even[i];
+    to[2 * i + 1] = odd[i];
+  }
+}
+
+// The last rows of a block, even and odd ones apart: what the lifting steps of a column reach over, so that all of it stays in
+// the first cache however high the block is.
+class RowWindow {
+ public:
+  explicit RowWindow(std::int64_t columns) : cells_(static_cast<std::size_t>(2 * rows * columns)), width_(columns) {}
+  float* even(std::int64_t i) { return cells_.data() + i % rows * 2 * width_; }
+  float* odd(std::int64_t i) { return even(i) + width_; }
+  template <int sign>
+  void lift_odd(std::int64_t i, const float (&factors)[2]) {
+    lift<sign>(odd(i), even(i), even(i + 1), even(i - 1), even(i + 2), factors, width_);
+  }
+  template <int sign>
+  void lift_even(std::int64_t i, const float (&factors)[2]) {
+    lift<sign>(even(i), odd(i - 1), odd(i), odd(i - 2), odd(i + 1), factors, width_);
+  }
+
+ private:
+  static constexpr std::int64_t rows = 9;
+  std::vector<float> cells_;
+  std::int64_t width_;
 };
 
-// odd row i from even rows i - 1 to i + 2
-template <int sign>
-void lift_odd_rows(RowPair& rows, const float (&factors)[2], std::int64_t first, std::int64_t count) {
-  for (std::int64_t i = first; i < first + count; ++i)
-    lift<sign>(rows.odd_row(i), rows.even_row(i), rows.even_row(i + 1), rows.even_row(i - 1), rows.even_row(i + 2), factors, rows.width);
+void analyse_block(RasterView<const float> padded, RasterView<float> low, const std::array<RasterView<float>, band_count>& bands) {
+  const std::int64_t w = low.width, n = w + 2 * reach;
+  RowWindow rows(2 * w);
+  std::vector<float> even(static_cast<std::size_t>(n)), odd(static_cast<std::size_t>(n));
+  for (std::int64_t i = 0; i < low.height + 2 * reach; ++i) {
+    for (int parity = 0; parity < 2; ++parity) {
+      split(padded.row(2 * i + parity), even.data(), odd.data(), n);
+      lift_forward(even.data(), odd.data(), w);
+      float* to = parity == 0 ? rows.even(i) : rows.odd(i);
+      scale(to, even.data() + reach, low_scale, w);
+      copy(to + w, odd.data() + reach, w);
+    }
+    if (i >= 3) rows.lift_odd<1>(i - 2, step_factors[0]);
+    if (i >= 6) rows.lift_even<1>(i - 3, step_factors[1]);
+    if (i >= 9) rows.lift_odd<1>(i - 5, step_factors[2]);
+    if (i < 2 * reach) continue;
+    rows.lift_even<1>(i - reach, step_factors[3]);
+    const std::int64_t y = i - 2 * reach;
+    const float* e = rows.even(i - reach);
+    const float* o = rows.odd(i - reach);
+    scale(low.row(y), e, low_scale, w);
+    scale(bands[0].row(y), e + w, low_scale, w);
+    copy(bands[1].row(y), o, w);
+    copy(bands[2].row(y), o + w, w);
+  }
 }
 
-// even row i from odd rows i - 2 to i + 1
-template <int sign>
-void lift_even_rows(RowPair& rows, const float (&factors)[2], std::int64_t first, std::int64_t count) {
-  for (std::int64_t i = first; i < first + count; ++i)
-    lift<sign>(rows.even_row(i), rows.odd_row(i - 1), rows.odd_row(i), rows.odd_row(i - 2), rows.odd_row(i + 1), factors, rows.width);
+void synthesise_block(RasterView<const float> low, const std::array<RasterView<const float>, band_count>& bands, RasterView<float> samples) {
+  const std::int64_t n = low.width, w = n - 2 * reach;
+  RowWindow rows(2 * n);
+  std::vector<float> even(static_cast<std::size_t>(n)), odd(static_cast<std::size_t>(n));
+  const auto finish = [&](const float* row, float* to) {
+    scale(even.data(), row, low_unscale, n);
+    copy(odd.data(), row + n, n);
+    lift_backward(even.data(), odd.data(), w);
+    join(to, even.data() + reach, odd.data() + reach, w);
+  };
+  for (std::int64_t i = 0; i < low.height; ++i) {
+    float* e = rows.even(i);
+    float* o = rows.odd(i);
+    scale(e, low.row(i), low_unscale, n);
+    scale(e + n, bands[0].row(i), low_unscale, n);
+    copy(o, bands[1].row(i), n);
+    copy(o + n, bands[2].row(i), n);
+    if (i >= 3) rows.lift_even<-1>(i - 1, step_factors[3]);
+    if (i >= 6) rows.lift_odd<-1>(i - 3, step_factors[2]);
+    if (i >= 9) rows.lift_even<-1>(i - 4, step_factors[1]);
+    if (i < 2 * reach) continue;
+    rows.lift_odd<-1>(i - reach, step_factors[0]);
+    const std::int64_t y = 2 * (i - 2 * reach);
+    finish(rows.even(i - reach), samples.row(y));
+    finish(rows.odd(i - reach), samples.row(y + 1));
+  }
 }
 
-}  // namespace
+}  // namespace HWY_NAMESPACE
+}  // namespace arete
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace arete {
+
+HWY_EXPORT(analyse_block);
+HWY_EXPORT(synthesise_block);
 
 float band_norm(int level, int band) {
   // Norms of one-dimensional synthesis functions, by iterating the synthesis in double precision; from level 8 on each is
@@ -100,70 +204,14 @@ Size band_size(const Size& samples, int band) {
 }
 
 void analyse(RasterView<const float> padded, RasterView<float> low, const std::array<RasterView<float>, band_count>& bands) {
-  const std::int64_t w = low.width, h = low.height;
-  assert(padded.width == 2 * (w + 2 * reach) && padded.height == 2 * (h + 2 * reach));
-  RowPair rows(h + 2 * reach, 2 * w);
-  std::vector<float> even(static_cast<std::size_t>(w + 2 * reach)), odd(even.size());
-  for (std::int64_t y = 0; y < padded.height; ++y) {
-    for (std::size_t x = 0; x < even.size(); ++x) {
-      even[x] = padded.row(y)[2 * x];
-      odd[x] = padded.row(y)[2 * x + 1];
-    }
-    lift_forward(even.data(), odd.data(), w);
-    float* to = y % 2 == 0 ? rows.even_row(y / 2) : rows.odd_row(y / 2);
-    for (std::int64_t x = 0; x < w; ++x) {
-      to[x] = even[static_cast<std::size_t>(reach + x)] * low_scale;
-      to[w + x] = odd[static_cast<std::size_t>(reach + x)];
-    }
-  }
-  const std::int64_t m = h + 2 * reach;
-  lift_odd_rows<1>(rows, step_factors[0], 1, m - 3);
-  lift_even_rows<1>(rows, step_factors[1], 3, m - 6);
-  lift_odd_rows<1>(rows, step_factors[2], 4, m - 9);
-  lift_even_rows<1>(rows, step_factors[3], 6, m - 12);
-  for (std::int64_t y = 0; y < h; ++y) {
-    const float* e = rows.even_row(reach + y);
-    const float* o = rows.odd_row(reach + y);
-    for (std::int64_t x = 0; x < w; ++x) {
-      low.row(y)[x] = e[x] * low_scale;
-      bands[0].row(y)[x] = e[w + x] * low_scale;
-      bands[1].row(y)[x] = o[x];
-      bands[2].row(y)[x] = o[w + x];
-    }
-  }
+  assert(padded.width == 2 * low.width + 2 * wavelet_reach && padded.height == 2 * low.height + 2 * wavelet_reach);
+  HWY_DYNAMIC_DISPATCH(analyse_block)(padded, low, bands);
 }
 
 void synthesise(RasterView<const float> low, const std::array<RasterView<const float>, band_count>& bands, RasterView<float> samples) {
-  const std::int64_t w = low.width - 2 * reach, h = low.height - 2 * reach;
-  assert(samples.width == 2 * w && samples.height == 2 * h);
-  const std::int64_t m = h + 2 * reach, n = w + 2 * reach;
-  RowPair rows(m, 2 * n);
-  for (std::int64_t y = 0; y < m; ++y) {
-    float* e = rows.even_row(y);
-    float* o = rows.odd_row(y);
-    for (std::int64_t x = 0; x < n; ++x) {
-      e[x] = low.row(y)[x] * low_unscale;
-      e[n + x] = bands[0].row(y)[x] * low_unscale;
-      o[x] = bands[1].row(y)[x];
-      o[n + x] = bands[2].row(y)[x];
-    }
-  }
-  lift_even_rows<-1>(rows, step_factors[3], 2, m - 3);
-  lift_odd_rows<-1>(rows, step_factors[2], 3, m - 6);
-  lift_even_rows<-1>(rows, step_factors[1], 5, m - 9);
-  lift_odd_rows<-1>(rows, step_factors[0], 6, m - 12);
-  for (std::int64_t y = 0; y < 2 * h; ++y) {
-    float* row = y % 2 == 0 ? rows.even_row(reach + y / 2) : rows.odd_row(reach + y / 2);
-    float* even = row;
-    float* odd = row + n;
-    for (std::int64_t x = 0; x < n; ++x) even[x] *= low_unscale;
-    lift_backward(even, odd, w);
-    float* to = samples.row(y);
-    for (std::int64_t x = 0; x < w; ++x) {
-      to[2 * x] = even[reach + x];
-      to[2 * x + 1] = odd[reach + x];
-    }
-  }
+  assert(samples.width == 2 * low.width - 2 * wavelet_reach && samples.height == 2 * low.height - 2 * wavelet_reach);
+  HWY_DYNAMIC_DISPATCH(synthesise_block)(low, bands, samples);
 }
 
 }  // namespace arete
+#endif

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "core/codec/byte_stream.h"
+#include "core/codec/dequantise.h"
 #include "core/codec/subband_models.h"
 #include "core/codec/wavelet.h"
 #include "core/codec/wavelet_root.h"
@@ -17,14 +19,6 @@ constexpr std::int64_t tile = 256;        // coefficients along a side, of the b
 
 std::int64_t tiles_along(std::int64_t n) { return (n + tile - 1) / tile; }
 
-// --- synthesis
-
-// The coefficients of a window of a level, with the window they are of.
-struct LevelCoefficients {
-  Window window;
-  std::array<Raster<float>, band_count> bands;
-};
-
 // The window of coefficients that a window of samples depends on.
 Window coefficient_window(const Window& samples, const Size& coarse) {
   const auto range = [](std::int64_t start, std::int64_t count, std::int64_t size) {
@@ -37,118 +31,183 @@ Window coefficient_window(const Window& samples, const Size& coarse) {
   return {x, y, w, h};
 }
 
-// Where the coefficients of one axis are found in a window: offsets for positions first - reach ... of one parity, or -1
-// where a mirrored position belongs to the other parity (only in signals of one sample).
-std::vector<std::int64_t> mirrored_offsets(std::int64_t first, std::int64_t count, int parity, std::int64_t size, std::int64_t origin) {
-  std::vector<std::int64_t> offsets(static_cast<std::size_t>(count + 2 * reach));
-  for (std::size_t i = 0; i < offsets.size(); ++i) {
-    const std::int64_t sample = mirrored_index(2 * (first - reach + static_cast<std::int64_t>(i)) + parity, size);
-    offsets[i] = sample % 2 == parity ? sample / 2 - origin : -1;
+// Nodes of a level that a window of coefficients touches, decoded; none where all coefficients of a node are zero.
+struct DecodedLevel {
+  int level = 0;
+  Window nodes;
+  std::vector<std::unique_ptr<NodeCoefficients>> coefficients;
+  const NodeCoefficients* find(std::int64_t x, std::int64_t y) const {
+    return coefficients[static_cast<std::size_t>((y - nodes.y) * nodes.width + (x - nodes.x))].get();
   }
-  return offsets;
+};
+
+Window touched_nodes(const NodeGrid& grid, int level, const Window& coefficients) {
+  const std::int64_t side = grid.side() / 2;
+  const Size nodes = grid.nodes(level);
+  const std::int64_t x = coefficients.x / side, y = coefficients.y / side;
+  const std::int64_t x1 = (coefficients.x + coefficients.width - 1) / side + 1, y1 = (coefficients.y + coefficients.height - 1) / side + 1;
+  return {x, y, std::min(x1, nodes.width) - x, std::min(y1, nodes.height) - y};
 }
 
-Raster<float> gather(const Raster<float>& band, const std::vector<std::int64_t>& columns, const std::vector<std::int64_t>& rows) {
-  Raster<float> padded(static_cast<std::int64_t>(columns.size()), static_cast<std::int64_t>(rows.size()));
-  for (std::size_t y = 0; y < rows.size(); ++y) {
-    float* to = padded.view().row(static_cast<std::int64_t>(y));
-    if (rows[y] < 0) {
-      std::fill_n(to, columns.size(), 0.0F);
-      continue;
+DecodedLevel decode_level(const NodeGrid& grid, const StreamReader& streams, int level, const DecodedLevel* parents, const Window& window, int threads) {
+  DecodedLevel decoded{level, touched_nodes(grid, level, window), {}};
+  decoded.coefficients.resize(static_cast<std::size_t>(decoded.nodes.width * decoded.nodes.height));
+  parallel_for(static_cast<std::int64_t>(decoded.coefficients.size()), threads, [&](std::int64_t i) {
+    const NodeAddress node{level, decoded.nodes.x + i % decoded.nodes.width, decoded.nodes.y + i / decoded.nodes.width};
+    const std::vector<std::byte> bytes = streams(grid.index(node));
+    if (bytes.empty()) return;
+    auto coefficients = std::make_unique<NodeCoefficients>(blank_coefficients(grid, node));
+    SubbandModels models = initial_subband_models();
+    decode_subbands(bytes, view_parent(grid, node, parents ? parents->find(node.x / 2, node.y / 2) : nullptr), models, *coefficients);
+    decoded.coefficients[static_cast<std::size_t>(i)] = std::move(coefficients);
+  });
+  return decoded;
+}
+
+// Positions of one axis that stand for `count` ones from `first` on, of the coefficients with one parity in a signal of `size`
+// samples; -1 where there is none: in signals of one sample, and beyond what the samples between the margins depend on.
+std::vector<std::int64_t> mirrored_positions(std::int64_t first, std::int64_t count, int parity, std::int64_t size) {
+  std::vector<std::int64_t> positions(static_cast<std::size_t>(count));
+  for (std::int64_t i = 0; i < count; ++i) {
+    const std::int64_t sample = mirrored_index(2 * (first + i) + parity, size);
+    const std::int64_t position = sample / 2 - first;
+    positions[static_cast<std::size_t>(i)] = sample % 2 == parity && position >= 0 && position < count ? position : -1;
+  }
+  return positions;
+}
+
+// Fills what of a padded block of coefficients lies outside the signal. `inside` is the part that is there, in the block's columns and rows.
+void fill_mirrored(RasterView<float> block, const Window& inside, const std::vector<std::int64_t>& columns, const std::vector<std::int64_t>& rows) {
+  const auto fill_columns = [&](float* row, std::int64_t begin, std::int64_t end) {
+    for (std::int64_t x = begin; x < end; ++x) {
+      const std::int64_t from = columns[static_cast<std::size_t>(x)];
+      row[x] = from < 0 ? 0.0F : row[from];
     }
-    const float* from = band.view().row(rows[y]);
-    for (std::size_t x = 0; x < columns.size(); ++x) to[x] = columns[x] < 0 ? 0.0F : from[columns[x]];
+  };
+  for (std::int64_t y = inside.y; y < inside.y + inside.height; ++y) {
+    fill_columns(block.row(y), 0, inside.x);
+    fill_columns(block.row(y), inside.x + inside.width, block.width);
   }
-  return padded;
+  for (std::int64_t y = 0; y < block.height; ++y) {
+    if (y >= inside.y && y < inside.y + inside.height) continue;
+    const std::int64_t from = rows[static_cast<std::size_t>(y)];
+    if (from < 0)
+      std::fill_n(block.row(y), block.width, 0.0F);
+    else
+      std::copy_n(block.row(from), block.width, block.row(y));
+  }
 }
 
-// Samples of a tile that starts at an even corner.
-void synthesise_tile(const Raster<float>& low, const LevelCoefficients& coefficients, const Size& fine, const Window& tile_cells,
-                     const Window& wanted, Raster<float>& samples) {
-  const std::int64_t x = tile_cells.x / 2, y = tile_cells.y / 2, w = (tile_cells.width + 1) / 2, h = (tile_cells.height + 1) / 2;
-  const Window& at = coefficients.window;
-  const std::array<std::vector<std::int64_t>, 2> columns{mirrored_offsets(x, w, 0, fine.width, at.x), mirrored_offsets(x, w, 1, fine.width, at.x)};
-  const std::array<std::vector<std::int64_t>, 2> rows{mirrored_offsets(y, h, 0, fine.height, at.y), mirrored_offsets(y, h, 1, fine.height, at.y)};
-  const Raster<float> padded_low = gather(low, columns[0], rows[0]);
-  const Raster<float> horizontal = gather(coefficients.bands[0], columns[1], rows[0]);
-  const Raster<float> vertical = gather(coefficients.bands[1], columns[0], rows[1]);
-  const Raster<float> diagonal = gather(coefficients.bands[2], columns[1], rows[1]);
-  Raster<float> cells(2 * w, 2 * h);
-  synthesise(padded_low.view(), {horizontal.view(), vertical.view(), diagonal.view()}, cells.view());
-  const std::int64_t x0 = std::max(wanted.x, tile_cells.x), x1 = std::min(wanted.x + wanted.width, tile_cells.x + tile_cells.width);
-  const std::int64_t y0 = std::max(wanted.y, tile_cells.y), y1 = std::min(wanted.y + wanted.height, tile_cells.y + tile_cells.height);
-  for (std::int64_t row = y0; row < y1; ++row)
-    std::copy_n(cells.view().row(row - tile_cells.y) + (x0 - tile_cells.x), x1 - x0, samples.view().row(row - wanted.y) + (x0 - wanted.x));
+// The part of a window that lies in another, as seen from the window's corner.
+Window part_inside(const Window& window, const Window& other) {
+  const std::int64_t x0 = std::max(window.x, other.x), x1 = std::min(window.x + window.width, other.x + other.width);
+  const std::int64_t y0 = std::max(window.y, other.y), y1 = std::min(window.y + window.height, other.y + other.height);
+  return {x0 - window.x, y0 - window.y, std::max<std::int64_t>(0, x1 - x0), std::max<std::int64_t>(0, y1 - y0)};
 }
 
-Raster<float> synthesise_window(const Raster<float>& low, const LevelCoefficients& coefficients, const Size& fine, const Window& wanted, int threads) {
+// A level on its way down: what its samples are made of.
+struct Synthesis {
+  const WaveletParameters& parameters;
+  const DecodedLevel& nodes;
+  const Raster<float>& low;  // of the window `at`
+  Window at;                 // in coefficients
+  Size fine;                 // of the level to come
+};
+
+Dequantiser dequantiser_of(const WaveletParameters& parameters, int level, int band) {
+  Dequantiser dequantiser{{}, parameters.step / band_norm(level, band)};
+  for (std::size_t k = 1; k < 4; ++k) dequantiser.shrink[k] = static_cast<float>(parameters.shrink[k - 1]) / 256;
+  return dequantiser;
+}
+
+// Details of a block inside its band, node by node. False where all of them are zero: then nothing is written.
+bool dequantise_inside(const Synthesis& level, int band, const Window& at, const Window& inside, RasterView<float> block) {
+  const Dequantiser dequantiser = dequantiser_of(level.parameters, level.nodes.level, band);
+  const std::int64_t side = level.parameters.grid.side() / 2;
+  const Window cells{at.x + inside.x, at.y + inside.y, inside.width, inside.height};
+  if (cells.width == 0 || cells.height == 0) return false;
+  const Window nodes = touched_nodes(level.parameters.grid, level.nodes.level, cells);
+  bool any = false;
+  for (std::int64_t i = 0; i < nodes.width * nodes.height && !any; ++i) any = level.nodes.find(nodes.x + i % nodes.width, nodes.y + i / nodes.width) != nullptr;
+  if (!any) return false;
+  for (std::int64_t i = 0; i < nodes.width * nodes.height; ++i) {
+    const Window node{(nodes.x + i % nodes.width) * side, (nodes.y + i / nodes.width) * side, side, side};
+    const Window part = part_inside(cells, node);
+    const NodeCoefficients* coefficients = level.nodes.find(node.x / side, node.y / side);
+    for (std::int64_t y = part.y; y < part.y + part.height; ++y) {
+      float* to = block.row(inside.y + y) + inside.x + part.x;
+      if (coefficients)
+        dequantise_row(dequantiser, coefficients->bands[static_cast<std::size_t>(band)].row(static_cast<int>(cells.y + y - node.y)) + (cells.x + part.x - node.x), to, part.width);
+      else
+        std::fill_n(to, part.width, 0.0F);
+    }
+  }
+  return true;
+}
+
+// The coefficients of one band, or the low-pass one, that a block of samples depends on.
+class PaddedBand {
+ public:
+  PaddedBand(const Synthesis& level, int band, const Window& at) {
+    const int odd_x = band == 0 || band == 2, odd_y = band == 1 || band == 2;
+    const Size size = band_size(level.fine, band);
+    const Window inside = part_inside(at, part_of(level.at, size));
+    if (band == band_count && inside == Window{0, 0, at.width, at.height}) {
+      view_ = level.low.view().sub({at.x - level.at.x, at.y - level.at.y, at.width, at.height});
+      return;
+    }
+    cells_ = Raster<float>(at.width, at.height);
+    view_ = cells_.view();
+    if (band == band_count) {
+      for (std::int64_t y = inside.y; y < inside.y + inside.height; ++y)
+        std::copy_n(level.low.view().row(at.y + y - level.at.y) + (at.x + inside.x - level.at.x), inside.width, cells_.view().row(y) + inside.x);
+    } else if (!dequantise_inside(level, band, at, inside, cells_.view())) {
+      // One row of zeros stands for all.
+      std::fill_n(cells_.data(), at.width, 0.0F);
+      view_.stride = 0;
+      return;
+    }
+    fill_mirrored(cells_.view(), inside, mirrored_positions(at.x, at.width, odd_x, level.fine.width),
+                  mirrored_positions(at.y, at.height, odd_y, level.fine.height));
+  }
+  RasterView<const float> view() const { return view_; }
+
+ private:
+  // What of a window of the level's coefficients a band has.
+  static Window part_of(const Window& window, const Size& band) {
+    return {window.x, window.y, std::min(window.width, band.width - window.x), std::min(window.height, band.height - window.y)};
+  }
+  Raster<float> cells_;
+  RasterView<const float> view_;
+};
+
+// Samples of a tile that starts at an even corner, those of them that are wanted.
+void synthesise_tile(const Synthesis& level, const Window& cells, const Window& wanted, Raster<float>& samples) {
+  const std::int64_t w = (cells.width + 1) / 2, h = (cells.height + 1) / 2;
+  const Window at{cells.x / 2 - reach, cells.y / 2 - reach, w + 2 * reach, h + 2 * reach};
+  const PaddedBand low(level, band_count, at), horizontal(level, 0, at), vertical(level, 1, at), diagonal(level, 2, at);
+  const std::array<RasterView<const float>, band_count> bands{horizontal.view(), vertical.view(), diagonal.view()};
+  const Window part = part_inside(wanted, cells);
+  if (part.width == 2 * w && part.height == 2 * h) {
+    synthesise(low.view(), bands, samples.view().sub(part));
+    return;
+  }
+  Raster<float> whole(2 * w, 2 * h);
+  synthesise(low.view(), bands, whole.view());
+  for (std::int64_t y = part.y; y < part.y + part.height; ++y)
+    std::copy_n(whole.view().row(wanted.y + y - cells.y) + (wanted.x + part.x - cells.x), part.width, samples.view().row(y) + part.x);
+}
+
+Raster<float> synthesise_window(const Synthesis& level, const Window& wanted, int threads) {
   Raster<float> samples(wanted.width, wanted.height);
   const std::int64_t x0 = wanted.x & ~std::int64_t{1}, y0 = wanted.y & ~std::int64_t{1};
   const std::int64_t wide = tiles_along(wanted.x + wanted.width - x0), high = tiles_along(wanted.y + wanted.height - y0);
   parallel_for(wide * high, threads, [&](std::int64_t i) {
     const std::int64_t x = x0 + i % wide * tile, y = y0 + i / wide * tile;
     const Window cells{x, y, std::min(tile, wanted.x + wanted.width - x), std::min(tile, wanted.y + wanted.height - y)};
-    synthesise_tile(low, coefficients, fine, cells, wanted, samples);
+    synthesise_tile(level, cells, wanted, samples);
   });
   return samples;
-}
-
-void dequantise(const WaveletParameters& parameters, const NodeAddress& node, const NodeCoefficients& coefficients, LevelCoefficients& to) {
-  for (int b = 0; b < band_count; ++b) {
-    const auto i = static_cast<std::size_t>(b);
-    const float scale = parameters.step / band_norm(node.level, b);
-    std::array<float, 4> offsets{};
-    for (std::size_t k = 1; k < 4; ++k) offsets[k] = static_cast<float>(parameters.shrink[k - 1]) / 256;
-    const Window at = node_band(parameters.grid, node, b);
-    const std::int64_t x0 = std::max(at.x, to.window.x), x1 = std::min(at.x + at.width, to.window.x + to.window.width);
-    const std::int64_t y0 = std::max(at.y, to.window.y), y1 = std::min(at.y + at.height, to.window.y + to.window.height);
-    for (std::int64_t y = y0; y < y1; ++y) {
-      const std::int32_t* from = coefficients.bands[i].row(static_cast<int>(y - at.y));
-      float* row = to.bands[i].view().row(y - to.window.y);
-      for (std::int64_t x = x0; x < x1; ++x) {
-        const std::int32_t point = from[x - at.x];
-        if (point == 0) continue;
-        const std::int32_t magnitude = point < 0 ? -point : point;
-        const float size = (static_cast<float>(magnitude) - offsets[static_cast<std::size_t>(std::min(magnitude, 3))]) * scale;
-        row[x - to.window.x] = point < 0 ? -size : size;
-      }
-    }
-  }
-}
-
-// Nodes of a level that a window of coefficients touches, decoded.
-struct DecodedLevel {
-  Window nodes;
-  std::vector<NodeCoefficients> coefficients;
-  const NodeCoefficients* find(std::int64_t x, std::int64_t y) const {
-    return &coefficients[static_cast<std::size_t>((y - nodes.y) * nodes.width + (x - nodes.x))];
-  }
-};
-
-Window touched_nodes(const NodeGrid& grid, const Window& coefficients) {
-  const std::int64_t side = grid.side() / 2;
-  const std::int64_t x = coefficients.x / side, y = coefficients.y / side;
-  return {x, y, (coefficients.x + coefficients.width - 1) / side - x + 1, (coefficients.y + coefficients.height - 1) / side - y + 1};
-}
-
-DecodedLevel decode_level(const WaveletParameters& parameters, const StreamReader& streams, int level, const DecodedLevel* parents,
-                          LevelCoefficients& to, int threads) {
-  const NodeGrid& grid = parameters.grid;
-  DecodedLevel decoded{touched_nodes(grid, to.window), {}};
-  const Size nodes = grid.nodes(level);
-  decoded.nodes.width = std::min(decoded.nodes.width, nodes.width - decoded.nodes.x);
-  decoded.nodes.height = std::min(decoded.nodes.height, nodes.height - decoded.nodes.y);
-  decoded.coefficients.resize(static_cast<std::size_t>(decoded.nodes.width * decoded.nodes.height));
-  parallel_for(static_cast<std::int64_t>(decoded.coefficients.size()), threads, [&](std::int64_t i) {
-    const NodeAddress node{level, decoded.nodes.x + i % decoded.nodes.width, decoded.nodes.y + i / decoded.nodes.width};
-    NodeCoefficients& coefficients = decoded.coefficients[static_cast<std::size_t>(i)] = blank_coefficients(grid, node);
-    const std::vector<std::byte> bytes = streams(grid.index(node));
-    if (bytes.empty()) return;
-    SubbandModels models = initial_subband_models();
-    decode_subbands(bytes, view_parent(grid, node, parents ? parents->find(node.x / 2, node.y / 2) : nullptr), models, coefficients);
-    dequantise(parameters, node, coefficients, to);
-  });
-  return decoded;
 }
 
 }  // namespace
@@ -206,12 +265,10 @@ Raster<float> decode_wavelet(const WaveletParameters& parameters, std::span<cons
   for (std::int64_t y = 0; y < first.height; ++y) std::copy_n(whole_root.view().row(first.y + y) + first.x, first.width, samples.view().row(y));
   DecodedLevel parents;
   for (int l = grid.levels(); l > level; --l) {
-    LevelCoefficients coefficients{windows[static_cast<std::size_t>(l - level)], {}};
-    const Window& at = coefficients.window;
-    for (Raster<float>& band : coefficients.bands) band = Raster<float>(at.width, at.height, 0.0F);
-    DecodedLevel decoded = decode_level(parameters, streams, l, l < grid.levels() ? &parents : nullptr, coefficients, threads);
-    parents = std::move(decoded);
-    samples = synthesise_window(samples, coefficients, grid.level_size(l - 1), windows[static_cast<std::size_t>(l - 1 - level)], threads);
+    const Window& at = windows[static_cast<std::size_t>(l - level)];
+    DecodedLevel nodes = decode_level(grid, streams, l, l < grid.levels() ? &parents : nullptr, at, threads);
+    samples = synthesise_window({parameters, nodes, samples, at, grid.level_size(l - 1)}, windows[static_cast<std::size_t>(l - 1 - level)], threads);
+    parents = std::move(nodes);
   }
   return samples;
 }
