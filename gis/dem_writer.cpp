@@ -93,16 +93,6 @@ bool can_declare(ValueType type, double nodata) {
   return nodata >= range.lowest && nodata <= range.highest;
 }
 
-/// The next value of the type, away from the subnormal numbers, which some readers take for zero.
-double beside(ValueType type, double value) {
-  if (value == range_of(type).highest) return -beside(type, -value);
-  if (is_integer(type)) return value + 1;
-  if (type == ValueType::float64)
-    return value == 0 ? std::numeric_limits<double>::min() : std::nextafter(value, std::numeric_limits<double>::max());
-  const float number = static_cast<float>(value);
-  return number == 0 ? std::numeric_limits<float>::min() : std::nextafterf(number, std::numeric_limits<float>::max());
-}
-
 /// Shows GDAL's progress; an exception of the watcher stops GDAL and is kept.
 struct WatchedProgress {
   Progress* progress = nullptr;
@@ -247,7 +237,7 @@ double DemWriter::Impl::in_file(double number) {
   }
   const double held = hold_to(options.type, number);
   if (held != code.value) return held;
-  if (!code.ours) return beside(options.type, held);
+  if (!code.ours) return next_value(options.type, held);
   code_is_valid = true;
   return held;
 }

@@ -23,4 +23,12 @@ std::optional<ValueType> value_type_numbered(std::uint8_t number) {
   return static_cast<ValueType>(number);
 }
 
+double next_value(ValueType type, double value) {
+  if (value == range_of(type).highest) return -next_value(type, -value);
+  if (is_integer(type)) return value + 1;
+  if (type == ValueType::float64) return value == 0 ? std::numeric_limits<double>::min() : std::nextafter(value, std::numeric_limits<double>::max());
+  const auto number = static_cast<float>(value);
+  return static_cast<double>(number == 0 ? std::numeric_limits<float>::min() : std::nextafterf(number, std::numeric_limits<float>::max()));
+}
+
 }  // namespace arete

@@ -63,6 +63,9 @@ inline double hold_to(ValueType type, double value) {
   return type == ValueType::float32 ? static_cast<double>(static_cast<float>(inside)) : inside;
 }
 
+/// The next value of the type, away from the subnormal numbers, which some readers take for zero: above it, but below the highest.
+double next_value(ValueType type, double value);
+
 /// Whether the type holds exactly this value; NaN and infinities are held by the floats.
 inline bool holds(ValueType type, double value) {
   if (!std::isfinite(value)) return !is_integer(type);

@@ -1,5 +1,6 @@
 #include "core/tree/fit_predictive.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -61,12 +62,7 @@ NodeStore with_low_bits(const TreeCells& cells, const ValueMap& map, const NodeG
   return {add, {}};
 }
 
-}  // namespace
-
-FittedTree fit_predictive(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress) {
-  NoProgress silent;
-  Progress& told = progress ? *progress : silent;
-  const BoundedMap bounded = choose_map(cells, header, options.target);
+FittedTree encode(const TreeCells& cells, const TreeHeader& header, const BoundedMap& bounded, const CompressOptions& options, Progress& told) {
   TreeHeader about = header;
   about.coder = TreeCoder::predictive;
   about.grid = NodeGrid(cells.size(), options.node_side > 0 ? options.node_side : default_side);
@@ -89,7 +85,22 @@ FittedTree fit_predictive(const TreeCells& cells, const TreeHeader& header, cons
   about.parameters = parameters.take();
   FittedTree fitted{draft.finish(about, summary.root), {}, about.coder, {}};
   fitted.errors = measure_file(cells, fitted.file, options.scratch, options.threads);
-  if (!keeps_claim(about, fitted.errors))
+  return fitted;
+}
+
+}  // namespace
+
+FittedTree fit_predictive(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress) {
+  NoProgress silent;
+  Progress& told = progress ? *progress : silent;
+  FittedTree fitted = encode(cells, header, choose_map(cells, header, options.target), options, told);
+  // A cell that is decoded to the nodata value is written as the next: where that breaks the bound, all keep within one that leaves room for it.
+  if (const double step = nodata_step(header); options.target.kind == TreeClaim::max_error && step > 0 && !keeps_claim(header, fitted.errors)) {
+    CompressionTarget closer = options.target;
+    closer.value = std::max(0.0, closer.value - step * cells.metres_per_stored);
+    fitted = encode(cells, header, choose_map(cells, header, closer), options, told);
+  }
+  if (!keeps_claim(header, fitted.errors))
     throw Error(ErrorKind::input, "the tree came out with an error of " + std::to_string(fitted.errors.max_error_m) +
                                       " m where less was promised: this is a fault of the program, nothing was written");
   return fitted;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 namespace arete {
@@ -12,7 +13,21 @@ namespace {
 
 constexpr std::int64_t block = NodeGrid::greatest_side;  // cells along a side of the squares that are summed up on their own
 
+// The number that stands for a void in a file of the header's type, where it has one of its own.
+std::optional<double> void_number(const TreeHeader& header) {
+  const std::optional<double>& nodata = header.geo.nodata;
+  if (!nodata || std::isnan(*nodata)) return std::nullopt;
+  if (is_integer(header.type)) return holds(header.type, *nodata) ? nodata : std::nullopt;
+  const ValueRange range = range_of(header.type);
+  return *nodata >= range.lowest && *nodata <= range.highest ? std::optional(hold_to(header.type, *nodata)) : std::nullopt;
+}
+
 }  // namespace
+
+double nodata_step(const TreeHeader& header) {
+  const std::optional<double> number = void_number(header);
+  return number ? std::abs(next_value(header.type, *number) - *number) : 0;
+}
 
 double TreeErrors::psnr_db() const { return 20 * std::log10((highest_m - lowest_m) / rmse_m); }
 
@@ -24,6 +39,7 @@ TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original,
   errors.cells = size.cells();
   StoredRange range;
   double greatest = 0;
+  const std::optional<double> nodata = void_number(tree.header());
   std::vector<double> squares(static_cast<std::size_t>(across * ((size.height + block - 1) / block)));
   for (const Window& at : split_window({0, 0, size.width, size.height}, memory_bytes)) {
     Raster<double> decoded(at.width, at.height), truth(at.width, at.height);
@@ -32,7 +48,7 @@ TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original,
     range.add(StoredValues(truth.data(), static_cast<std::size_t>(truth.size().cells())));
     for (std::int64_t y = 0; y < at.height; ++y)
       for (std::int64_t x = 0; x < at.width; ++x) {
-        const double found = decoded(x, y), wanted = truth(x, y);
+        const double found = decoded(x, y) == nodata ? next_value(tree.header().type, *nodata) : decoded(x, y), wanted = truth(x, y);
         errors.valid_cells += !std::isnan(wanted);
         errors.void_differs += std::isnan(wanted) != std::isnan(found);
         if (std::isnan(wanted) || std::isnan(found)) continue;

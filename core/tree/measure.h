@@ -30,9 +30,13 @@ struct TreeErrors {
   double bits_per_sample() const { return 8 * static_cast<double>(bytes) / static_cast<double>(cells); }
 };
 
-/// Decodes the tree by windows, in the type of its header, and compares it with `original`, which has its size. Sums are of
+/// Decodes the tree by windows, in the type of its header, and compares it with `original`, which has its size: as a DEM holds it
+/// that has the header's nodata value, in which a valid cell that is decoded to that value has the next one (next_value). Sums are of
 /// doubles in an order that does not depend on the memory.
 TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t memory_bytes);
+
+/// How far such a cell is moved, in stored units; 0 where the type has no such value.
+double nodata_step(const TreeHeader& header);
 
 /// Whether the tree is what its header says. Errors within a relative 1e-9 of a claimed RMSE or PSNR count as kept.
 bool keeps_claim(const TreeHeader& header, const TreeErrors& errors);

@@ -82,6 +82,24 @@ TEST(ValueType, HoldingIsIdempotentAndMonotone) {
   }
 }
 
+TEST(ValueType, TheNextValueIsAnotherOfTheTypeWithNoneBetween) {
+  for (const ValueType type : every_type) {
+    const ValueRange range = range_of(type);
+    for (const double value : {range.lowest, 0.0, 100.0, range.highest}) {
+      const double next = next_value(type, value);
+      EXPECT_TRUE(holds(type, next));
+      EXPECT_NE(next, value);
+      EXPECT_EQ(next < value, value == range.highest);
+      // Halfway is held to one of the two; zero's neighbours are subnormal numbers.
+      if (value != 0 || is_integer(type)) {
+        const double between = hold_to(type, value / 2 + next / 2);
+        EXPECT_TRUE(between == value || between == next) << name_of(type) << " " << value;
+      }
+    }
+  }
+  EXPECT_EQ(next_value(ValueType::float32, 0), 0x1p-126);
+}
+
 TEST(ValueType, KnowsWhatItHolds) {
   EXPECT_TRUE(holds(ValueType::int16, -9999));
   EXPECT_FALSE(holds(ValueType::uint8, -9999));

@@ -80,6 +80,42 @@ TEST(FitPredictive, AnyDoublesAreLossless) {
     for (std::int64_t x = 0; x < window.width; ++x) EXPECT_EQ(part(x, y), source.cells()(2 * (window.x + x), 2 * (window.y + y)));
 }
 
+// Whole metres about a nodata value of 0, as on a coast: what is decoded to 0 is written as 1, which is 2 m from -1.
+TEST(FitPredictive, KeepsTheBoundAsWrittenWithANodataValueAmidTheElevations) {
+  Raster<double> cells(150, 110);
+  for (std::int64_t y = 0; y < 110; ++y)
+    for (std::int64_t x = 0; x < 150; ++x) {
+      const double height = std::round(4 * std::sin(0.08 * static_cast<double>(x)) * std::cos(0.1 * static_cast<double>(y)) +
+                                       2 * uniform_at(5, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)) - 1);
+      cells(x, y) = height == 0 ? -1 : height;
+    }
+  const MemoryStored source(std::move(cells));
+  for (const ValueType type : {ValueType::int16, ValueType::float32})
+    for (const double bound : {1.0, 2.0}) {
+      TreeHeader header = header_of(type);
+      header.geo.nodata = 0;
+      header.claim = TreeClaim::max_error;
+      header.claimed = bound;
+      CompressOptions options;
+      options.target = {TreeClaim::max_error, bound};
+      const FittedTree fitted = fit_predictive(read_tree_cells(source, header, {}), header, options, nullptr);
+      const ElevationTree tree(TreeFile(fitted.file, "coast.sct"));
+      Raster<double> decoded(150, 110);
+      tree.read_stored(0, {0, 0, 150, 110}, decoded.view());
+      for (std::int64_t i = 0; i < decoded.size().cells(); ++i) {
+        const double written = decoded.data()[i] == 0 ? next_value(type, 0) : decoded.data()[i];
+        ASSERT_LE(std::abs(written - source.cells().data()[i]), bound) << i << " " << name_of(type);
+      }
+      // Without the nodata value the bound of 1 m is reached, by cells of -1 that come out as 0.
+      header.geo.nodata.reset();
+      const FittedTree free = fit_predictive(read_tree_cells(source, header, {}), header, options, nullptr);
+      if (type == ValueType::int16) {
+        EXPECT_LT(free.file->size(), fitted.file->size());
+      }
+      EXPECT_NEAR(free.errors.max_error_m, bound, 1e-5 * bound);
+    }
+}
+
 TEST(FitPredictive, RefusesABoundBelowTheTypesOwn) {
   EXPECT_THROW(fit(rounded(1e-5, false), ValueType::float32, {TreeClaim::max_error, 1e-6}), Error);
 }

@@ -32,6 +32,24 @@ TEST(Measure, CountsWhatIsOff) {
   EXPECT_DOUBLE_EQ(errors.psnr_db(), 20 * std::log10(14 / errors.rmse_m));
 }
 
+TEST(Measure, CellsDecodedToTheNodataValueCountAsTheNextOne) {
+  const MemoryStored original(Raster<double>(20, 10, 100));
+  TreeHeader header;
+  header.type = ValueType::int16;
+  CompressOptions options;
+  options.target = {TreeClaim::rmse, 0.4};
+  MadeTree made = make_tree(original, header, options);
+  EXPECT_EQ(made.report.differs, 0);
+  header.geo.nodata = 100;
+  options.target = {TreeClaim::max_error, 1};
+  made = make_tree(original, header, options);
+  EXPECT_EQ(made.report.differs, 200);
+  EXPECT_EQ(made.report.max_error_m, 1);
+  EXPECT_EQ(nodata_step(header), 1);
+  header.geo.nodata = 0.5;
+  EXPECT_EQ(nodata_step(header), 0) << "no integer";
+}
+
 // Wider than a window, so that sums come from several.
 TEST(Measure, TheMemoryDoesNotChangeTheSums) {
   Raster<double> cells(2100, 1030);
