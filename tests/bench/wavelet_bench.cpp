@@ -6,7 +6,7 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/codec/wavelet_coder.h"
+#include "core/codec/wavelet_encoder.h"
 #include "core/support/random.h"
 #include "core/synthesis/mountains.h"
 #include "core/terrain/fill_voids.h"
@@ -16,7 +16,6 @@ namespace arete {
 namespace {
 
 constexpr int node_side = 256;
-constexpr float lambda = 0.2F;
 constexpr int passes = 2;
 
 const Raster<float>& terrain() {
@@ -30,29 +29,51 @@ const Raster<float>& terrain() {
   return cells;
 }
 
-const WaveletPyramid& pyramid() {
-  static const WaveletPyramid bands = analyse_raster(terrain().view(), NodeGrid(terrain().size(), node_side), 0);
-  return bands;
+const ViewSource& source() {
+  static const ViewSource view(terrain().view());
+  return view;
 }
 
-/// A step in hundredths of the spread of the finest details, so that the rates are about the same for any terrain.
+const WaveletPyramid& pyramid() {
+  static const WaveletPyramid levels = analyse_raster(source(), NodeGrid(terrain().size(), node_side), {}, 0);
+  return levels;
+}
+
+/// A step for about so many hundredths of a bit a cell.
 float step_of(std::int64_t hundredths) {
-  double squares = 0;
-  for (const Raster<float>& band : pyramid().bands[0])
-    for (std::int64_t i = 0; i < band.size().cells(); ++i) squares += std::pow(static_cast<double>(band.data()[i]), 2);
-  return static_cast<float>(std::sqrt(squares / static_cast<double>(terrain().size().cells())) * static_cast<double>(hundredths) / 100);
+  const double wanted = static_cast<double>(hundredths) / 100 * static_cast<double>(terrain().size().cells());
+  double fine = 1e-6, coarse = 1e6;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = std::sqrt(fine * coarse);
+    (pyramid().details.bits(middle) > wanted ? fine : coarse) = middle;
+  }
+  return static_cast<float>(coarse);
 }
 
 struct Tree {
-  WaveletStreams streams;
+  WaveletSummary summary;
+  std::vector<std::vector<std::byte>> nodes;
   Raster<float> read(int level, const Window& window, int threads) const {
-    const StreamReader reader = [this](std::int64_t i) { return streams.nodes[static_cast<std::size_t>(i)]; };
-    return decode_wavelet(streams.parameters, streams.root, reader, level, window, threads);
+    const StreamReader reader = [this](std::int64_t i) { return nodes[static_cast<std::size_t>(i)]; };
+    return decode_wavelet(summary.parameters, summary.root, reader, level, window, threads);
   }
-  double bits_per_cell() const { return 8.0 * static_cast<double>(streams.bytes()) / static_cast<double>(terrain().size().cells()); }
+  double bits_per_cell() const {
+    std::size_t bytes = summary.root.size();
+    for (const auto& node : nodes) bytes += node.size();
+    return 8.0 * static_cast<double>(bytes) / static_cast<double>(terrain().size().cells());
+  }
 };
 
-Tree encode_at(std::int64_t hundredths) { return {encode_wavelet(pyramid(), step_of(hundredths), lambda, passes, 0)}; }
+Tree encode_at(std::int64_t hundredths, int threads) {
+  Tree tree;
+  WaveletEncoding how;
+  how.step = step_of(hundredths);
+  how.passes = passes;
+  how.threads = threads;
+  tree.summary = encode_wavelet(pyramid(), how, {[&](std::vector<std::byte> stream) { tree.nodes.push_back(std::move(stream)); },
+                                                 [&](std::int64_t index) { return tree.nodes[static_cast<std::size_t>(index)]; }});
+  return tree;
+}
 
 void report(benchmark::State& state, const Tree& tree, std::int64_t cells) {
   state.counters["bits/cell"] = tree.bits_per_cell();
@@ -61,27 +82,26 @@ void report(benchmark::State& state, const Tree& tree, std::int64_t cells) {
 
 void analyse_whole(benchmark::State& state) {
   const NodeGrid grid(terrain().size(), node_side);
-  for (auto _ : state) benchmark::DoNotOptimize(analyse_raster(terrain().view(), grid, static_cast<int>(state.range(0))));
+  for (auto _ : state) benchmark::DoNotOptimize(analyse_raster(source(), grid, {}, static_cast<int>(state.range(0))).details.count[0]);
   state.counters["cells/s"] =
       benchmark::Counter(static_cast<double>(terrain().size().cells()) * static_cast<double>(state.iterations()), benchmark::Counter::kIsRate);
 }
 
 void encode_once(benchmark::State& state) {
-  const float step = step_of(state.range(0));
   Tree tree;
-  for (auto _ : state) tree.streams = encode_wavelet(pyramid(), step, lambda, passes, static_cast<int>(state.range(1)));
+  for (auto _ : state) tree = encode_at(state.range(0), static_cast<int>(state.range(1)));
   report(state, tree, terrain().size().cells());
 }
 
 void decode_level(benchmark::State& state, int level) {
-  const Tree tree = encode_at(state.range(0));
-  const Size size = tree.streams.parameters.grid.level_size(level);
+  const Tree tree = encode_at(state.range(0), 0);
+  const Size size = tree.summary.parameters.grid.level_size(level);
   for (auto _ : state) benchmark::DoNotOptimize(tree.read(level, {0, 0, size.width, size.height}, static_cast<int>(state.range(1))).data());
   report(state, tree, size.cells());
 }
 
 void decode_windows(benchmark::State& state) {
-  const Tree tree = encode_at(state.range(0));
+  const Tree tree = encode_at(state.range(0), 0);
   const std::int64_t side = std::min<std::int64_t>({512, terrain().width(), terrain().height()});
   std::uint64_t i = 0;
   for (auto _ : state) {
@@ -92,9 +112,9 @@ void decode_windows(benchmark::State& state) {
   report(state, tree, side * side);
 }
 
-/// Steps from fine to coarse, by one thread and by two.
+/// Hundredths of a bit a cell, by one thread and by two.
 void rates(benchmark::internal::Benchmark* bench) {
-  bench->ArgNames({"step", "threads"})->ArgsProduct({{30, 100, 400, 2000}, {1, 2}})->UseRealTime()->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
+  bench->ArgNames({"centibits", "threads"})->ArgsProduct({{5, 20, 50, 200}, {1, 2}})->UseRealTime()->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
 }
 
 BENCHMARK(analyse_whole)->ArgName("threads")->Arg(1)->Arg(2)->UseRealTime()->MeasureProcessCPUTime()->Unit(benchmark::kMillisecond);
