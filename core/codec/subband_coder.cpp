@@ -87,19 +87,22 @@ class CoefficientCoder {
     unsigned state = state_;
     const auto row = block.row(y);
     const std::uint32_t* places = context.places.data();
-    int left = held(row[columns.first - 1]), left2 = held(row[columns.first - 2]);
+    Before before{held(row[columns.first - 1]), held(row[columns.first - 2])};
     for (std::ptrdiff_t x = columns.first; x < columns.end; ++x) {
       const PlaceContext place = unpack_place(places[x]);
-      const unsigned energy = expected_magnitude(place, band, left, left2);
+      const int left = std::abs(before.left);
+      const unsigned energy = expected_magnitude(place, band, left, std::abs(before.left2));
       const int quantiser = quantiser_of(static_cast<int>(state));
       const std::int32_t k = code_index(bits, models, limit, place, energy, quantiser, left, Bits::decoding ? 0 : std::abs(row[x]));
       state = trellis_next[state][k & 1];
-      left2 = left;
-      left = 0;
-      if (k == 0) continue;
+      if (k == 0) {
+        before = {0, before.left};
+        continue;
+      }
       const std::int32_t magnitude = lattice_point(k, quantiser);
-      const bool negative = code_sign(bits, models, limit, row[x] < 0, static_cast<int>(energy), context.signs[static_cast<std::size_t>(x)], row + x);
-      left = std::min(magnitude, 255);
+      const int near = std::min(magnitude, 255);
+      const bool negative = code_sign(bits, models, limit, row[x] < 0, static_cast<int>(energy), context.signs[static_cast<std::size_t>(x)], before);
+      before = {negative ? -near : near, before.left};
       if constexpr (Bits::decoding) row[x] = negative ? -magnitude : magnitude;
     }
     bits_ = bits;
@@ -108,14 +111,17 @@ class CoefficientCoder {
   }
 
  private:
-  static int held(std::int32_t value) { return std::min(std::abs(value), 255); }
-  static int held_value(std::int32_t value) { return std::clamp(value, -255, 255); }
+  // The two coefficients before, held to -255..255.
+  struct Before {
+    int left, left2;
+  };
+  static int held(std::int32_t value) { return std::clamp(value, -255, 255); }
 
   [[gnu::always_inline]] static std::int32_t code_index(Bits& bits, SubbandModels& all, unsigned limit, PlaceContext place, unsigned energy, int quantiser, int left, std::int32_t magnitude) {
     SubbandModels::Quantiser& models = all.quantisers[quantiser];
     const std::size_t bin = energy_bin_table[energy];
     BitModel* const by_energy = models.energy[band][bin];
-    BitModel* const by_place = models.local[band == 2][0][near_offsets[static_cast<std::size_t>(place.near + left)] + place.cross];
+    BitModel* const by_place = models.local[band == 2][near_offsets[static_cast<std::size_t>(place.near + left)] + place.cross];
     BitMixer<2>* const mixers = models.mixer[mixer_bins[bin]];
     const std::int32_t k = lattice_index(magnitude, quantiser);
     if (!code_mixed(bits, by_energy[0], by_place[0], mixers[0], limit, k > 0)) return 0;
@@ -138,11 +144,11 @@ class CoefficientCoder {
     return static_cast<std::int32_t>(value) - 1;
   }
 
-  [[gnu::always_inline]] static bool code_sign(Bits& bits, SubbandModels& models, unsigned limit, bool negative, int energy, std::int32_t above, const std::int32_t* at) {
+  [[gnu::always_inline]] static bool code_sign(Bits& bits, SubbandModels& models, unsigned limit, bool negative, int energy, std::int32_t above, Before before) {
     constexpr MeanWeights w = mean_weights[band];
-    const int mean = (above >> 8) + w.left * held_value(at[-1]) + w.left2 * held_value(at[-2]);
+    const int mean = (above >> 8) + w.left * before.left + w.left2 * before.left2;
     const int bin = std::clamp(((mean >> 1) + 8 * (energy + 8)) / (energy + 8), 0, mean_bins - 1);
-    const int pattern = (above & 255) + sign_of(at[-1]) + 1;
+    const int pattern = (above & 255) + sign_of(before.left) + 1;
     return code_mixed(bits, models.sign_mean[band][bin], models.sign_pattern[band][pattern], models.sign_mixer[band], limit, negative);
   }
 

@@ -21,7 +21,7 @@ struct SubbandModels {
   /// Of one of the trellis state's quantisers. The decisions of a coefficient lie side by side.
   struct Quantiser {
     BitModel energy[band_count][energy_bins][unary_steps];
-    BitModel local[2][local_bins][local_bins][unary_steps];  ///< [1 of the diagonal band][near][cross]
+    BitModel local[2][local_bins * local_bins][unary_steps];  ///< [1 of the diagonal band][near bin x local_bins + cross bin]
     BitMixer<2> mixer[local_bins][unary_steps];
   };
   Quantiser quantisers[2];
@@ -42,9 +42,8 @@ void visit_models(Models& models, Visit visit) {
         for (auto& bin : band) visit(bin[u]);
   for (int u = 0; u < unary_steps; ++u)
     for (auto& quantiser : models.quantisers)
-      for (int near = 0; near < local_bins; ++near)
-        for (int cross = 0; cross < local_bins; ++cross)
-          for (auto& diagonal : quantiser.local) visit(diagonal[near][cross][u]);
+      for (int bins = 0; bins < local_bins * local_bins; ++bins)
+        for (auto& diagonal : quantiser.local) visit(diagonal[bins][u]);
   for (auto& step : models.exponent)
     for (auto& model : step) visit(model);
   for (auto& model : models.mantissa) visit(model);
