@@ -1,6 +1,7 @@
 #include "core/codec/predictive_coder.h"
 
 #include <algorithm>
+#include <memory>
 #include <utility>
 
 #include "core/codec/predict_root.h"
@@ -32,10 +33,15 @@ Window needed_above(const NodeGrid& grid, int level, const Window& window) {
   return {x0, y0, x1 - x0, y1 - y0};
 }
 
+void copy_cells(RasterView<const std::int32_t> from, RasterView<std::int32_t> to) {
+  for (std::int64_t y = 0; y < from.height; ++y) std::copy_n(from.row(y), from.width, to.row(y));
+}
+
 }  // namespace
 
 Raster<std::int32_t> decode_predictive(const NodeGrid& grid, const PredictParameters& parameters, std::span<const std::byte> root,
-                                       const StreamReader& streams, const VoidReader& voids, int level, const Window& window, int threads) {
+                                       const StreamReader& streams, const VoidReader& voids, int level, const Window& window, int threads,
+                                       NumberCache* cache) {
   std::vector<Window> needed{window};
   for (int l = level + 1; l <= grid.levels(); ++l) needed.push_back(needed_above(grid, l, needed.back()));
 
@@ -62,8 +68,14 @@ Raster<std::int32_t> decode_predictive(const NodeGrid& grid, const PredictParame
       const NodeAddress node{l, x0 + i % wide, y0 + i / wide};
       const Window cells = grid.cells(node);
       const Window here{cells.x - finer.x, cells.y - finer.y, cells.width, cells.height};
-      decode_node(coarse, cells, parameters, parameters.levels[static_cast<std::size_t>(l - 1)], streams(grid.index(node)), finer.mask(here),
-                  finer.values.view().sub(here));
+      const RasterView<std::int32_t> to = finer.values.view().sub(here);
+      std::shared_ptr<const Raster<std::int32_t>> kept;
+      if (cache != nullptr && cache->find(grid.index(node), kept)) return copy_cells(kept->view(), to);
+      decode_node(coarse, cells, parameters, parameters.levels[static_cast<std::size_t>(l - 1)], streams(grid.index(node)), finer.mask(here), to);
+      if (cache == nullptr) return;
+      auto block = std::make_shared<Raster<std::int32_t>>(cells.width, cells.height);
+      copy_cells(to, block->view());
+      cache->keep(grid.index(node), std::move(block), cells.width * cells.height * static_cast<std::int64_t>(sizeof(std::int32_t)));
     });
     part = std::move(finer);
   }

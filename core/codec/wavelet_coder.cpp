@@ -35,7 +35,7 @@ Window coefficient_window(const Window& samples, const Size& coarse) {
 struct DecodedLevel {
   int level = 0;
   Window nodes;
-  std::vector<std::unique_ptr<NodeCoefficients>> coefficients;
+  std::vector<std::shared_ptr<const NodeCoefficients>> coefficients;
   const NodeCoefficients* find(std::int64_t x, std::int64_t y) const {
     return coefficients[static_cast<std::size_t>((y - nodes.y) * nodes.width + (x - nodes.x))].get();
   }
@@ -49,17 +49,33 @@ Window touched_nodes(const NodeGrid& grid, int level, const Window& coefficients
   return {x, y, std::min(x1, nodes.width) - x, std::min(y1, nodes.height) - y};
 }
 
-DecodedLevel decode_level(const NodeGrid& grid, const StreamReader& streams, int level, const DecodedLevel* parents, const Window& window, int threads) {
+// Null where all coefficients are zero.
+std::shared_ptr<const NodeCoefficients> decode_coefficients(const NodeGrid& grid, const StreamReader& streams, const NodeAddress& node, const NodeCoefficients* parent) {
+  const std::vector<std::byte> bytes = streams(grid.index(node));
+  if (bytes.empty()) return nullptr;
+  auto coefficients = std::make_shared<NodeCoefficients>(blank_coefficients(grid, node));
+  SubbandModels models = initial_subband_models();
+  decode_subbands(bytes, view_parent(grid, node, parent), models, *coefficients);
+  return coefficients;
+}
+
+std::int64_t bytes_of(const NodeCoefficients* node) {
+  if (node == nullptr) return 0;
+  std::int64_t cells = 0;
+  for (const CoefficientBlock& block : node->bands) cells += std::int64_t{block.stride()} * (block.height() + 2 * CoefficientBlock::border);
+  return cells * static_cast<std::int64_t>(sizeof(std::int32_t) + sizeof(std::uint8_t));
+}
+
+DecodedLevel decode_level(const NodeGrid& grid, const StreamReader& streams, int level, const DecodedLevel* parents, const Window& window, int threads,
+                          CoefficientCache* cache) {
   DecodedLevel decoded{level, touched_nodes(grid, level, window), {}};
   decoded.coefficients.resize(static_cast<std::size_t>(decoded.nodes.width * decoded.nodes.height));
   parallel_for(static_cast<std::int64_t>(decoded.coefficients.size()), threads, [&](std::int64_t i) {
     const NodeAddress node{level, decoded.nodes.x + i % decoded.nodes.width, decoded.nodes.y + i / decoded.nodes.width};
-    const std::vector<std::byte> bytes = streams(grid.index(node));
-    if (bytes.empty()) return;
-    auto coefficients = std::make_unique<NodeCoefficients>(blank_coefficients(grid, node));
-    SubbandModels models = initial_subband_models();
-    decode_subbands(bytes, view_parent(grid, node, parents ? parents->find(node.x / 2, node.y / 2) : nullptr), models, *coefficients);
-    decoded.coefficients[static_cast<std::size_t>(i)] = std::move(coefficients);
+    std::shared_ptr<const NodeCoefficients>& coefficients = decoded.coefficients[static_cast<std::size_t>(i)];
+    if (cache != nullptr && cache->find(grid.index(node), coefficients)) return;
+    coefficients = decode_coefficients(grid, streams, node, parents ? parents->find(node.x / 2, node.y / 2) : nullptr);
+    if (cache != nullptr) cache->keep(grid.index(node), coefficients, bytes_of(coefficients.get()));
   });
   return decoded;
 }
@@ -255,7 +271,7 @@ WaveletParameters decode_wavelet_parameters(std::span<const std::byte> bytes, co
 }
 
 Raster<float> decode_wavelet(const WaveletParameters& parameters, std::span<const std::byte> root, const StreamReader& streams, int level,
-                             const Window& window, int threads) {
+                             const Window& window, int threads, CoefficientCache* cache) {
   const NodeGrid& grid = parameters.grid;
   std::vector<Window> windows{window};  // of samples, from the wanted level to the root
   for (int l = level + 1; l <= grid.levels(); ++l) windows.push_back(coefficient_window(windows.back(), grid.level_size(l)));
@@ -266,7 +282,7 @@ Raster<float> decode_wavelet(const WaveletParameters& parameters, std::span<cons
   DecodedLevel parents;
   for (int l = grid.levels(); l > level; --l) {
     const Window& at = windows[static_cast<std::size_t>(l - level)];
-    DecodedLevel nodes = decode_level(grid, streams, l, l < grid.levels() ? &parents : nullptr, at, threads);
+    DecodedLevel nodes = decode_level(grid, streams, l, l < grid.levels() ? &parents : nullptr, at, threads, cache);
     samples = synthesise_window({parameters, nodes, samples, at, grid.level_size(l - 1)}, windows[static_cast<std::size_t>(l - 1 - level)], threads);
     parents = std::move(nodes);
   }

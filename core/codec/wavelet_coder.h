@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/codec/node_cache.h"
 #include "core/codec/node_grid.h"
 #include "core/codec/subband_coder.h"
 #include "core/terrain/raster.h"
@@ -36,9 +37,11 @@ NodeCoefficients blank_coefficients(const NodeGrid& grid, const NodeAddress& nod
 /// Where a node's contexts find its parent.
 ParentView view_parent(const NodeGrid& grid, const NodeAddress& node, const NodeCoefficients* parent);
 
-/// A window of a level, 0 to grid.levels(); metres. Touches only the nodes that the window depends on. The same values for
-/// any window and any number of threads. Safe for untrusted streams; values may then be anything, infinite and NaN included.
+using CoefficientCache = NodeCache<NodeCoefficients>;
+
+/// A window of a level, 0 to grid.levels(); metres. Touches only the nodes that the window depends on, and of those only what
+/// `cache` (may be null) has not. The same values for any window and any number of threads. Safe for untrusted streams; values may then be anything, infinite and NaN included.
 Raster<float> decode_wavelet(const WaveletParameters& parameters, std::span<const std::byte> root, const StreamReader& streams, int level,
-                             const Window& window, int threads);
+                             const Window& window, int threads, CoefficientCache* cache = nullptr);
 
 }  // namespace arete

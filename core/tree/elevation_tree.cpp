@@ -15,6 +15,8 @@
 namespace arete {
 namespace {
 
+constexpr std::int64_t kept_bytes = std::int64_t{32} << 20;  // of decoded nodes
+
 // A node's stream without the mask.
 std::vector<std::byte> cells_of(const TreeFile& file, std::int64_t index) {
   std::vector<std::byte> stream = file.read_node(index);
@@ -78,9 +80,11 @@ ElevationTree::ElevationTree(TreeFile file, int threads, const DictionaryFinder&
   const TreeHeader& about = header();
   switch (about.coder) {
     case TreeCoder::wavelet:
+      coefficients_ = std::make_unique<CoefficientCache>(kept_bytes);
       wavelet_ = decode_wavelet_parameters(about.parameters, about.grid, file_.name());
       break;
     case TreeCoder::predictive: {
+      numbers_ = std::make_unique<NumberCache>(kept_bytes);
       ByteReader in(about.parameters, file_.name());
       map_ = get_value_map(in, about.type);
       predictive_ = decode_parameters(std::span(about.parameters).last(in.left()), about.grid.levels(), file_.name());
@@ -101,7 +105,7 @@ Raster<double> ElevationTree::decode_numbers(int level, const Window& window) co
   const auto numbers_of = [&](std::vector<std::byte> stream) { return has_low ? split_parts(stream, file_.name()).first : stream; };
   const auto streams = [&](std::int64_t index) { return numbers_of(cells_of(file_, index)); };
   const VoidReader voids = header().voids ? VoidReader([this](int l, const Window& w) { return decode_mask(l, w); }) : VoidReader();
-  const Raster<std::int32_t> numbers = decode_predictive(header().grid, predictive_, numbers_of(root_parts(file_).rest), streams, voids, level, window, threads_);
+  const Raster<std::int32_t> numbers = decode_predictive(header().grid, predictive_, numbers_of(root_parts(file_).rest), streams, voids, level, window, threads_, numbers_.get());
   const Raster<std::uint64_t> low = has_low ? decode_low_bits(level, window) : Raster<std::uint64_t>();
   Raster<double> stored(window.width, window.height);
   for (std::int64_t i = 0; i < numbers.size().cells(); ++i) stored.data()[i] = map_.value_of(numbers.data()[i], has_low ? low.data()[i] : 0);
@@ -115,7 +119,7 @@ Raster<double> ElevationTree::decode(int level, const Window& window) const {
   const auto streams = [&](std::int64_t index) { return coded(cells_of(file_, index)); };
   const std::vector<std::byte> root = coded(root_parts(file_).rest);
   const Raster<float> cells = header().coder == TreeCoder::patches ? decode_patches(patches_, root, streams, level, window, threads_)
-                                                                   : decode_wavelet(wavelet_, root, streams, level, window, threads_);
+                                                                   : decode_wavelet(wavelet_, root, streams, level, window, threads_, coefficients_.get());
   Raster<double> stored(window.width, window.height);
   for (std::int64_t i = 0; i < cells.size().cells(); ++i) stored.data()[i] = static_cast<double>(cells.data()[i]);
   if (flat) set_flat_water(level, window, stored);

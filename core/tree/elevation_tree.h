@@ -17,7 +17,7 @@ namespace arete {
 /// A tree of elevations, read by level and window. Level 0 is the raster; level l has a cell for every 2^l-th one.
 ///
 /// Guarantees: 1. any window of a level has the values that the whole level has. 2. A window touches only the nodes that it
-/// depends on. 3. The values are the same on every machine, for any number of threads. 4. Safe for untrusted files: a damaged
+/// depends on, and keeps those decoded last (32 MB of them): the coarse levels, and what windows beside it need. 3. The values are the same on every machine, for any number of threads. 4. Safe for untrusted files: a damaged
 /// node is an Error{damaged}, never wrong values.
 class ElevationTree final : public RasterSource {
  public:
@@ -53,6 +53,8 @@ class ElevationTree final : public RasterSource {
   PredictParameters predictive_;
   PatchParameters patches_;
   ValueMap map_;
+  std::unique_ptr<CoefficientCache> coefficients_;
+  std::unique_ptr<NumberCache> numbers_;
 };
 
 /// Parts of a window, row by row, each of which decodes within the memory (but for 64 MB, which the smallest part may need): as wide

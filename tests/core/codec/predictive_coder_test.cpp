@@ -125,6 +125,25 @@ TEST(PredictiveCoder, AWindowReadsOnlyTheNodesItDependsOn) {
   EXPECT_LE(read, 4 + 9 * (streams.grid.levels() - 1));
 }
 
+TEST(PredictiveCoder, ACacheChangesNothing) {
+  const Raster<std::int32_t> terrain = fractal_terrain(300, 260, 3000);
+  const PredictiveStreams streams = encode(terrain, 3, 64);
+  std::int64_t reads = 0;
+  const StreamReader reader = [&](std::int64_t i) {
+    ++reads;
+    return streams.nodes[static_cast<std::size_t>(i)];
+  };
+  NumberCache cache(1 << 24);
+  const Window window{70, 60, 90, 50};
+  const Raster<std::int32_t> plain = decode(streams, 0, window);
+  for (int i = 0; i < 2; ++i) {
+    reads = 0;
+    const Raster<std::int32_t> kept = decode_predictive(streams.grid, streams.parameters, streams.root, reader, {}, 0, window, 1, &cache);
+    EXPECT_EQ(largest_difference(plain.view(), kept.view()), 0);
+    EXPECT_EQ(reads > 0, i == 0);
+  }
+}
+
 TEST(PredictiveCoder, TheBoundHoldsBetweenVoids) {
   const Raster<std::int32_t> terrain = fractal_terrain(301, 260, 3000);
   const Raster<std::uint8_t> voids = ragged_mask(301, 260);

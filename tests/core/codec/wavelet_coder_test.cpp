@@ -56,6 +56,25 @@ TEST(WaveletCoder, WindowsAreTheWhole) {
   }
 }
 
+TEST(WaveletCoder, ACacheChangesNothing) {
+  const Raster<float> cells = codec_terrain(300, 211);
+  const WaveletStreams streams = encode(cells, 64, 2);
+  std::int64_t reads = 0;
+  const StreamReader reader = [&](std::int64_t i) {
+    ++reads;
+    return streams.nodes[static_cast<std::size_t>(i)];
+  };
+  CoefficientCache cache(1 << 24);
+  const Raster<float> plain = decode(streams, 0, {70, 60, 90, 50});
+  for (int i = 0; i < 2; ++i) {
+    reads = 0;
+    const Raster<float> kept = decode_wavelet(streams.parameters, streams.root, reader, 0, {70, 60, 90, 50}, 1, &cache);
+    EXPECT_TRUE(std::equal(plain.data(), plain.data() + 90 * 50, kept.data()));
+    EXPECT_EQ(reads > 4, i == 0);
+    EXPECT_EQ(reads == 0, i == 1);
+  }
+}
+
 TEST(WaveletCoder, OddAndTinyRasters) {
   for (const Size size : {Size{1, 1}, Size{1, 40}, Size{9, 1}, Size{33, 65}, Size{8, 8}}) {
     const Raster<float> cells = codec_terrain(size.width, size.height);
