@@ -98,6 +98,7 @@ FittedTree fit_predictive(const TreeCells& cells, const TreeHeader& header, cons
   if (const double step = nodata_step(header); options.target.kind == TreeClaim::max_error && step > 0 && !keeps_claim(header, fitted.errors)) {
     CompressionTarget closer = options.target;
     closer.value = std::max(0.0, closer.value - step * cells.metres_per_stored);
+    if (!is_integer(header.type)) closer.value *= 1 - 1e-9;  // a step of floats is less than what map_within takes for rounding
     fitted = encode(cells, header, choose_map(cells, header, closer), options, told);
   }
   if (!keeps_claim(header, fitted.errors))

@@ -90,7 +90,7 @@ TEST(FitPredictive, KeepsTheBoundAsWrittenWithANodataValueAmidTheElevations) {
       cells(x, y) = height == 0 ? -1 : height;
     }
   const MemoryStored source(std::move(cells));
-  for (const ValueType type : {ValueType::int16, ValueType::float32})
+  for (const ValueType type : {ValueType::int16, ValueType::float32, ValueType::float64})
     for (const double bound : {1.0, 2.0}) {
       TreeHeader header = header_of(type);
       header.geo.nodata = 0;
