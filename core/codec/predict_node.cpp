@@ -23,7 +23,7 @@ bool code_phase(Bits& bits, NodePlanes& planes, int phase, const PredictParamete
                 ResidualModels& models, const Truth* truth) {
   const auto p = static_cast<std::size_t>(phase);
   const PhaseParameters& parameters = level.phases[p - 1];
-  const int log_step = quarter_log2(static_cast<std::uint64_t>(level.step));
+  const PhaseContext common{parameters, level.step, quarter_log2(static_cast<std::uint64_t>(level.step)), phase - 1};
   const int columns = coded_width(planes, phase), rows_coded = coded_height(planes, phase);
   PhaseRows<Sum> rows(planes.width);
   std::int64_t any = 0;
@@ -34,12 +34,13 @@ bool code_phase(Bits& bits, NodePlanes& planes, int phase, const PredictParamete
     measure_activity(planes, phase, y, columns, parameters, rows.filtered_row(), rows.activity());
     std::int32_t* values = planes.values[p].row(y);
     std::int32_t* magnitudes = planes.magnitudes[p].row(y);
+    const std::int32_t* magnitudes_above = planes.magnitudes[p].row(y - 1);
     const std::uint8_t* voids = planes.any_void ? planes.voids[p].row(y) : nullptr;
     const std::int32_t* wanted = truth != nullptr ? truth->row(phase, y) : nullptr;
     for (int x = 0; x < columns; ++x) {
       if (voids != nullptr && voids[x] != 0) continue;
-      const ResidualContext context = residual_context(rows, x, magnitudes[x - 1], parameters, log_step);
-      const std::int32_t prediction = predict_cell(rows, x, file, parameters);
+      const auto [prediction, lean] = predict_cell(rows, x, file, parameters);
+      const ResidualContext context = residual_context(rows, x, lean, magnitudes[x - 1], magnitudes_above[x], common);
       const std::int64_t index =
           code_residual(bits, models, context, wanted != nullptr ? residual_steps(wanted[2 * x], prediction, level.step) : 0);
       any |= index;
@@ -50,8 +51,8 @@ bool code_phase(Bits& bits, NodePlanes& planes, int phase, const PredictParamete
 }
 
 template <typename Bits>
-bool code_values(Bits& bits, NodePlanes& planes, const PredictParameters& file, const LevelParameters& level, const Truth* truth) {
-  ResidualModels models = initial_residual_models();
+bool code_values(Bits& bits, NodePlanes& planes, const PredictParameters& file, const LevelParameters& level, ResidualModels& models,
+                 const Truth* truth) {
   bool any = false;
   for (int phase = 1; phase < 4; ++phase) {
     const bool here = file.narrow() ? code_phase<std::int32_t>(bits, planes, phase, file, level, models, truth)
@@ -65,11 +66,17 @@ bool code_values(Bits& bits, NodePlanes& planes, const PredictParameters& file, 
 
 std::vector<std::byte> encode_node(const LevelView& coarse, const Window& cells, const PredictParameters& file,
                                    const LevelParameters& level, const BlockView& truth, RasterView<std::int32_t> decoded) {
+  ResidualModels models = initial_residual_models();
+  return encode_node(coarse, cells, file, level, truth, models, decoded);
+}
+
+std::vector<std::byte> encode_node(const LevelView& coarse, const Window& cells, const PredictParameters& file, const LevelParameters& level,
+                                   const BlockView& truth, ResidualModels& models, RasterView<std::int32_t> decoded) {
   NodePlanes planes = make_planes(coarse, cells, truth.voids, file);
   RangeEncoder coder;
   BitWriter bits{coder};
   const Truth wanted{truth.values};
-  const bool any = code_values(bits, planes, file, level, &wanted);
+  const bool any = code_values(bits, planes, file, level, models, &wanted);
   copy_block(planes, decoded);
   std::vector<std::byte> bytes = coder.finish();
   if (!any) return {};
@@ -80,13 +87,14 @@ std::vector<std::byte> encode_node(const LevelView& coarse, const Window& cells,
 void decode_node(const LevelView& coarse, const Window& cells, const PredictParameters& file, const LevelParameters& level,
                  std::span<const std::byte> bytes, RasterView<const std::uint8_t> voids, RasterView<std::int32_t> decoded) {
   NodePlanes planes = make_planes(coarse, cells, voids, file);
+  ResidualModels models = initial_residual_models();
   if (bytes.empty()) {
     ZeroReader bits;
-    code_values(bits, planes, file, level, nullptr);
+    code_values(bits, planes, file, level, models, nullptr);
   } else {
     RangeDecoder coder(bytes);
     BitReader bits{coder};
-    code_values(bits, planes, file, level, nullptr);
+    code_values(bits, planes, file, level, models, nullptr);
   }
   copy_block(planes, decoded);
 }

@@ -7,6 +7,7 @@
 
 #include "core/codec/predict_parameters.h"
 #include "core/codec/predict_planes.h"
+#include "core/codec/predict_residual.h"
 
 namespace arete {
 
@@ -28,8 +29,12 @@ struct BlockView {
 std::vector<std::byte> encode_node(const LevelView& coarse, const Window& cells, const PredictParameters& file,
                                    const LevelParameters& level, const BlockView& truth, RasterView<std::int32_t> decoded);
 
+/// The same with models of the caller's, which keep what they learn: for the training of first states.
+std::vector<std::byte> encode_node(const LevelView& coarse, const Window& cells, const PredictParameters& file, const LevelParameters& level,
+                                   const BlockView& truth, ResidualModels& models, RasterView<std::int32_t> decoded);
+
 /// The block of level l - 1, with the cells of level l among it. Void cells receive any value. Safe for untrusted bytes: they give
-/// some values of [lowest, highest]. Cost: about 50 ns a cell where residuals are several steps, 20 ns where they are mostly zero.
+/// some values of [lowest, highest]. Cost: about 100 ns a cell where residuals are several steps, 50 ns where they are mostly zero.
 void decode_node(const LevelView& coarse, const Window& cells, const PredictParameters& file, const LevelParameters& level,
                  std::span<const std::byte> bytes, RasterView<const std::uint8_t> voids, RasterView<std::int32_t> decoded);
 

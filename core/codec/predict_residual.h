@@ -4,14 +4,15 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <cstdlib>
 
 #include "core/codec/bit_model.h"
 #include "core/codec/range_coder.h"
 
 namespace arete {
 
-// The entropy coder of residuals: zero or not, magnitude by binary decisions relative to the magnitude that is expected,
-// sign. One template serves both directions, so that they cannot differ.
+// The entropy coder of residuals: magnitude by binary decisions under what the surroundings let expect, sign. Each decision is
+// a logistic mix of four contexts. One template serves both directions, so that they cannot differ.
 
 /// Four times the binary logarithm of v >= 1, rounded down to a multiple of 1/4 of the way to the next power of two.
 inline int quarter_log2(std::uint64_t v) {
@@ -19,29 +20,62 @@ inline int quarter_log2(std::uint64_t v) {
   return 4 * (exponent - 2) + static_cast<int>(((v << 2) >> (exponent - 2)) & 3U);
 }
 
-/// Adaptive probabilities of a node's residuals.
-struct ResidualModels {
-  static constexpr int scales = 32;      ///< expected magnitudes: 28 quarter octaves below the shift, 4 above
-  static constexpr int decisions = 8;    ///< zero, > 1, > 2, ... > 7 and all beyond
-  std::array<std::array<BitModel, scales>, decisions> by_scale;
-  std::array<BitModel, scales / 2 * 9> by_neighbours;  ///< of zero: expected magnitude, western and northern residuals
-  std::array<BitModel, 128> by_relief;                 ///< of zero: spread and curvature
-  std::array<BitModel, 32> first_low;
-  std::array<BitModel, 16> second_low;
-};
-
-/// The models as each stream starts with them.
-const ResidualModels& initial_residual_models();
+inline constexpr int residual_scales = 32;  ///< of expected magnitudes, in quarter octaves, below and above the step
+inline constexpr int unshifted_scale = 25;   ///< the scale of an expected magnitude of one step
 
 /// What a residual is coded under.
 struct ResidualContext {
-  int shift = 0;       ///< low bits of the magnitude that are left to the end
-  int scale = 0;
-  int neighbours = 0;
-  int relief = 0;
+  int shift = 0;   ///< low bits of the magnitude that are left to the end
+  int scale = 0;   ///< of the expected magnitude: 0 to residual_scales - 1
+  int lean = 8;    ///< of the prediction before it was rounded, 0 to 15: below 8 the true value is likely to be lower
+  int beside = 0;  ///< the western and the northern magnitude against the expected one: 0 to 15
+  int relief = 0;  ///< spread and curvature: 0 to 255
+  int wide = 0;    ///< magnitudes further around: 0 to 23
+  int turn = 0;    ///< signs of the western and the northern residual: 0 to 8
+  int phase = 0;   ///< of the three, 0 to 2
 };
 
-inline constexpr unsigned residual_limit = 1000;  ///< of the counts of the models
+/// Adaptive probabilities of a node's residuals.
+struct ResidualModels {
+  static constexpr int decisions = 3;  ///< that are mixed: > 0, > 1, > 2
+  static constexpr int others = 4;     ///< > 3, ... > 5, and all beyond: they are rare, and the scale says nearly all
+  template <int size>
+  using Decisions = std::array<std::array<BitModel, size>, decisions>;
+
+  Decisions<9 * residual_scales> by_scale;       ///< |lean - 8|, scale
+  Decisions<residual_scales / 2 * 16> by_beside;  ///< scale / 2, beside
+  Decisions<256> by_relief;
+  Decisions<24 * residual_scales / 2> by_wide;    ///< wide, scale / 2
+  std::array<std::array<BitModel, residual_scales>, others> beyond;  ///< scale
+  std::array<BitModel, 32> first_low;
+  std::array<BitModel, 16> second_low;
+  std::array<BitModel, 16 * 8> sign_by_lean;      ///< lean, scale / 4
+  std::array<BitModel, 3 * 9> sign_by_turn;       ///< phase, turn
+  std::array<std::array<BitMixer<4>, 3 * 8>, decisions> mixers;  ///< phase, scale / 4
+  BitMixer<2> sign_mixer;
+  unsigned limit = 400;  ///< of the counts of the models
+};
+
+/// Visits all that is learned, in the order of the table of first states.
+template <class Visitor>
+void for_each_state(ResidualModels& models, const Visitor& visit) {
+  visit(models.by_scale);
+  visit(models.by_beside);
+  visit(models.by_relief);
+  visit(models.by_wide);
+  visit(models.beyond);
+  visit(models.first_low);
+  visit(models.second_low);
+  visit(models.sign_by_lean);
+  visit(models.sign_by_turn);
+  visit(models.mixers);
+  visit(models.sign_mixer);
+}
+
+/// The models as each stream starts with them: as they were after many nodes of real DEMs.
+const ResidualModels& initial_residual_models();
+
+inline constexpr int residual_mixing_rate = 6;  ///< see BitMixer
 inline constexpr int unary_end = 20;              ///< from here on, Exp-Golomb
 
 /// The probabilities of a 1 that the range coder takes.
@@ -65,11 +99,40 @@ struct BitReader {
   std::uint32_t raw(std::uint32_t, int count) { return coder.decode_raw(count); }
 };
 
+inline constexpr unsigned plain_limit = 1000;  ///< of the counts of models that are not mixed
+
 template <typename Bits>
-int code_bit(Bits& bits, BitModel& model, int value) {
+int code_bit(Bits& bits, BitModel& model, int value, unsigned limit = plain_limit) {
   value = bits.bit(value, bounded(model.p()));
-  model.update(value, residual_limit);
+  model.update(value, limit);
   return value;
+}
+
+template <int count, typename Bits>
+int code_mixed_bit(Bits& bits, const std::array<BitModel*, count>& models, BitMixer<count>& mixer, int value, unsigned limit) {
+  std::array<int, count> logits;
+  for (std::size_t i = 0; i < count; ++i) logits[i] = stretch(models[i]->p());
+  const Probability p = mixer.mix(logits);
+  value = bits.bit(value, p);
+  mixer.update(logits, p, value, residual_mixing_rate);
+  for (BitModel* model : models) model->update(value, limit);
+  return value;
+}
+
+/// Whether the magnitude, without its low bits, is above `decision`.
+template <typename Bits>
+int code_decision(Bits& bits, ResidualModels& models, const ResidualContext& c, std::uint64_t decision, int value) {
+  const auto d = static_cast<std::size_t>(decision);
+  if (d >= ResidualModels::decisions) {
+    const std::size_t other = std::min<std::size_t>(d - ResidualModels::decisions, ResidualModels::others - 1);
+    return code_bit(bits, models.beyond[other][static_cast<std::size_t>(c.scale)], value, models.limit);
+  }
+  const auto at = [](auto& row, int place) { return &row[static_cast<std::size_t>(place)]; };
+  const int coarse = c.scale / 2;
+  return code_mixed_bit<4>(bits,
+                           {at(models.by_scale[d], std::abs(c.lean - 8) * residual_scales + c.scale), at(models.by_beside[d], coarse * 16 + c.beside),
+                            at(models.by_relief[d], c.relief), at(models.by_wide[d], c.wide * residual_scales / 2 + coarse)},
+                           models.mixers[d][static_cast<std::size_t>(c.phase * 8 + c.scale / 4)], value, models.limit);
 }
 
 /// value >= 0 in Exp-Golomb code of order 0, equal probabilities; read values are below 2^32.
@@ -87,46 +150,27 @@ template <typename Bits>
 std::int64_t code_residual(Bits& bits, ResidualModels& models, const ResidualContext& context, std::int64_t residual) {
   const auto magnitude = static_cast<std::uint64_t>(residual < 0 ? -residual : residual);
   const std::uint64_t wanted = magnitude >> context.shift;
-  const auto scale = static_cast<std::size_t>(context.scale);
-  BitModel& zero = models.by_scale[0][scale];
   std::uint64_t value = 0;
-  if (context.shift > 0) {
-    value = static_cast<std::uint64_t>(code_bit(bits, zero, wanted != 0));
-  } else {
-    // below a magnitude or two the surroundings say more than their weighted sum
-    BitModel& neighbours = models.by_neighbours[static_cast<std::size_t>(context.neighbours)];
-    BitModel& relief = models.by_relief[static_cast<std::size_t>(context.relief)];
-    const Probability p = bounded((2 * zero.p() + neighbours.p() + relief.p()) >> 2);
-    const int bit = bits.bit(wanted != 0, p);
-    zero.update(bit, residual_limit);
-    neighbours.update(bit, residual_limit);
-    relief.update(bit, residual_limit);
-    if (bit == 0) return 0;
-    value = 1;
-  }
-  if (value != 0) {
-    while (value < unary_end) {
-      if (code_bit(bits, models.by_scale[std::min<std::size_t>(value, ResidualModels::decisions - 1)][scale], wanted > value) == 0) break;
-      ++value;
-    }
-    if (value == unary_end) value += code_exp_golomb(bits, wanted >= unary_end ? wanted - unary_end : 0);
-  }
+  while (value < unary_end && code_decision(bits, models, context, value, wanted > value) != 0) ++value;
+  if (value == unary_end) value += code_exp_golomb(bits, wanted >= unary_end ? wanted - unary_end : 0);
   int left = context.shift;
+  const auto low_bit = [&] { return static_cast<int>((magnitude >> left) & 1U); };
   if (left > 0) {
     --left;
-    const auto model = static_cast<std::size_t>(std::min<std::uint64_t>(value, 7) * 4) + (scale & 3U);
-    value = 2 * value + static_cast<std::uint64_t>(code_bit(bits, models.first_low[model], static_cast<int>((magnitude >> left) & 1U)));
+    const auto model = static_cast<std::size_t>(std::min<std::uint64_t>(value, 7) * 4) + (static_cast<std::size_t>(context.scale) & 3U);
+    value = 2 * value + static_cast<std::uint64_t>(code_bit(bits, models.first_low[model], low_bit(), models.limit));
   }
   if (left > 0) {
     --left;
     const auto model = static_cast<std::size_t>(std::min<std::uint64_t>(value, 15));
-    value = 2 * value + static_cast<std::uint64_t>(code_bit(bits, models.second_low[model], static_cast<int>((magnitude >> left) & 1U)));
+    value = 2 * value + static_cast<std::uint64_t>(code_bit(bits, models.second_low[model], low_bit(), models.limit));
   }
   if (left > 0) value = (value << left) | bits.raw(static_cast<std::uint32_t>(magnitude & ((std::uint64_t{1} << left) - 1)), left);
   if (value == 0) return 0;
-  const bool negative = bits.raw(residual < 0, 1) != 0;
+  const std::array<BitModel*, 2> signs{&models.sign_by_lean[static_cast<std::size_t>(context.lean * 8 + context.scale / 4)],
+                                       &models.sign_by_turn[static_cast<std::size_t>(context.phase * 9 + context.turn)]};
   const auto out = static_cast<std::int64_t>(value);
-  return negative ? -out : out;
+  return code_mixed_bit<2>(bits, signs, models.sign_mixer, residual < 0, models.limit) != 0 ? -out : out;
 }
 
 }  // namespace arete

@@ -138,9 +138,21 @@ HWY_INLINE Features features_at(const RowsAround& rows, int x, Sum filtered) {
   return out;
 }
 
+/// Of the centre phase, whose magnitudes are known above (phase 1), or on all sides.
+template <int phase>
+HWY_INLINE std::int32_t magnitudes_around(const RowsAround& rows, int x) {
+  constexpr int top = -2, bottom = phase == 1 ? -1 : phase == 2 ? 1 : 2;
+  constexpr int left = -2, right = phase == 3 ? 1 : 2;
+  std::int32_t sum = 0;
+  for (int v = top; v <= bottom; ++v)
+    for (int u = left; u <= right; ++u) sum += rows.magnitude[1][v + 3][x + u];
+  return phase == 1 ? 2 * sum : sum;
+}
+
 template <int phase, typename Sum>
 void measure_cells(const NodePlanes& planes, int y, int count, const PhaseParameters& parameters, const Sum* HWY_RESTRICT filtered,
-                   std::uint32_t* HWY_RESTRICT expected, std::int32_t* HWY_RESTRICT spread, std::int32_t* HWY_RESTRICT curvature) {
+                   std::uint32_t* HWY_RESTRICT expected, std::int32_t* HWY_RESTRICT spread, std::int32_t* HWY_RESTRICT curvature,
+                   std::int32_t* HWY_RESTRICT around) {
   const RowsAround rows = rows_around(planes, y);
   std::uint32_t weights[activity_weights];
   for (int i = 0; i < activity_weights; ++i) weights[i] = parameters.activity[static_cast<std::size_t>(i)];
@@ -152,6 +164,7 @@ void measure_cells(const NodePlanes& planes, int y, int count, const PhaseParame
     expected[x] = sum;
     spread[x] = features.f[3];
     curvature[x] = features.f[4];
+    around[x] = magnitudes_around<phase>(rows, x);
   }
 }
 
@@ -167,15 +180,15 @@ void filter_wide(NodePlanes& planes, int phase, int y, const PredictParameters& 
 }
 void measure_narrow(const NodePlanes& planes, int phase, int y, int count, const PhaseParameters& parameters, const std::int32_t* filtered,
                     const ActivityRow& out) {
-  if (phase == 1) measure_cells<1, std::int32_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature);
-  else if (phase == 2) measure_cells<2, std::int32_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature);
-  else measure_cells<3, std::int32_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature);
+  if (phase == 1) measure_cells<1, std::int32_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature, out.around);
+  else if (phase == 2) measure_cells<2, std::int32_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature, out.around);
+  else measure_cells<3, std::int32_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature, out.around);
 }
 void measure_wide(const NodePlanes& planes, int phase, int y, int count, const PhaseParameters& parameters, const std::int64_t* filtered,
                   const ActivityRow& out) {
-  if (phase == 1) measure_cells<1, std::int64_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature);
-  else if (phase == 2) measure_cells<2, std::int64_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature);
-  else measure_cells<3, std::int64_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature);
+  if (phase == 1) measure_cells<1, std::int64_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature, out.around);
+  else if (phase == 2) measure_cells<2, std::int64_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature, out.around);
+  else measure_cells<3, std::int64_t>(planes, y, count, parameters, filtered, out.expected, out.spread, out.curvature, out.around);
 }
 
 template <typename Sum>

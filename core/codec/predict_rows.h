@@ -51,6 +51,7 @@ struct ActivityRow {
   std::uint32_t* expected;   ///< the expected magnitude in 1/256 of a unit without the western neighbour's share
   std::int32_t* spread;      ///< of the four nearest values
   std::int32_t* curvature;   ///< the filter's result against the mean of the four nearest
+  std::int32_t* around;      ///< the sum of 20 magnitudes of the centre phase around; of the centre phase itself, twice ten above
 };
 template <typename Sum>
 void measure_activity(const NodePlanes& planes, int phase, int y, int count, const PhaseParameters& parameters, const Sum* filtered,

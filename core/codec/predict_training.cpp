@@ -129,7 +129,7 @@ void run_phase(BlockState& block, int phase, const PredictParameters& file, cons
     for (int x = 0; x < coded_width(planes, phase); ++x) {
       magnitudes[x] = 0;
       if (voids != nullptr && voids[x] != 0) continue;
-      const std::int32_t prediction = predict_cell(rows, x, file, parameters);
+      const std::int32_t prediction = predict_cell(rows, x, file, parameters).value;
       const std::int64_t index = residual_steps(wanted[2 * x], prediction, step);
       if (!gather_activity) {
         const Sum* here = rows.residual_row();

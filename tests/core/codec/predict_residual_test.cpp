@@ -25,10 +25,15 @@ std::vector<std::byte> encode(const std::vector<Coded>& list) {
 
 ResidualContext context_of(std::uint64_t i) {
   ResidualContext context;
-  context.shift = static_cast<int>(hash_position(2, i, 0) % 25);
-  context.scale = static_cast<int>(hash_position(2, i, 1) % 32);
-  context.neighbours = static_cast<int>(hash_position(2, i, 2) % 144);
-  context.relief = static_cast<int>(hash_position(2, i, 3) % 128);
+  const auto below = [&](std::uint64_t j, std::uint64_t end) { return static_cast<int>(hash_position(2, i, j) % end); };
+  context.shift = below(0, 25);
+  context.scale = below(1, residual_scales);
+  context.lean = below(2, 16);
+  context.beside = below(3, 16);
+  context.relief = below(4, 256);
+  context.wide = below(5, 24);
+  context.turn = below(6, 9);
+  context.phase = below(7, 3);
   return context;
 }
 
@@ -69,6 +74,45 @@ TEST(PredictResidual, CostsTheEntropyOfGeometricResiduals) {
     }
     EXPECT_LT(8.0 * static_cast<double>(encode(list).size()), 1.01 * bits) << shift;
   }
+}
+
+// What the trained states must have learned: the larger the magnitude that is expected, the rarer a zero.
+TEST(PredictResidual, ZerosGrowRareWithTheExpectedMagnitude) {
+  const ResidualModels& models = initial_residual_models();
+  for (std::size_t scale = 8; scale + 4 < residual_scales; scale += 4)
+    EXPECT_GT(models.by_scale[0][scale + 4].p(), models.by_scale[0][scale].p()) << scale;
+}
+
+// A prediction that was rounded up is likely to be too high, the more so the less is expected.
+TEST(PredictResidual, SignsFollowTheRounding) {
+  const ResidualModels& models = initial_residual_models();
+  for (std::size_t scale : {3U, 4U, 5U, 6U}) {
+    EXPECT_GT(models.sign_by_lean[2 * 8 + scale].p(), 40000U) << scale;
+    EXPECT_LT(models.sign_by_lean[14 * 8 + scale].p(), 25536U) << scale;
+  }
+}
+
+TEST(PredictResidual, TheWholeTableIsRead) {
+  for (std::int32_t weight : initial_residual_models().sign_mixer.weights) EXPECT_NE(weight, 0);
+}
+
+// The same residuals again cost less.
+TEST(PredictResidual, ModelsOfTheCallerKeepWhatTheyLearn) {
+  std::vector<Coded> list;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    ResidualContext context = context_of(i % 3);
+    context.shift = 0;
+    list.push_back({context, static_cast<std::int64_t>(i % 3) * 3 - 2});
+  }
+  ResidualModels models = initial_residual_models();
+  const auto cost = [&] {
+    RangeEncoder coder;
+    BitWriter bits{coder};
+    for (const Coded& c : list) code_residual(bits, models, c.context, c.residual);
+    return coder.finish().size();
+  };
+  const std::size_t first = cost();
+  EXPECT_LT(cost(), first);
 }
 
 TEST(PredictResidual, QuarterLogarithms) {

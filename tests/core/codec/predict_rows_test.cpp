@@ -15,7 +15,13 @@ NodePlanes random_planes(const PredictParameters& file, std::uint64_t seed) {
   const auto range = static_cast<std::uint64_t>(std::int64_t{file.highest} - file.lowest + 1);
   for (std::int64_t i = 0; i < level.size().cells(); ++i)
     level.data()[i] = static_cast<std::int32_t>(file.lowest + static_cast<std::int64_t>(hash_position(seed, static_cast<std::uint64_t>(i)) % range));
-  return make_planes({level.view(), {}, 0, 0, level.size()}, {16, 16, 33, 32}, {}, file);
+  NodePlanes planes = make_planes({level.view(), {}, 0, 0, level.size()}, {16, 16, 33, 32}, {}, file);
+  for (int phase = 1; phase < 4; ++phase)
+    for (int y = 0; y < coded_height(planes, phase); ++y)
+      for (int x = 0; x < coded_width(planes, phase); ++x)
+        planes.magnitudes[static_cast<std::size_t>(phase)].row(y)[x] =
+            static_cast<std::int32_t>(hash_position(seed + 100, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)) % magnitude_limit);
+  return planes;
 }
 
 PredictParameters range(std::int32_t lowest, std::int32_t highest) {
@@ -91,6 +97,11 @@ TEST(PredictRows, NarrowAndWideGiveTheDefinition) {
           ASSERT_EQ(wide_rows.expected[k], expected);
           ASSERT_EQ(rows.spread[k], features[3]);
           ASSERT_EQ(rows.curvature[k], features[4]);
+          std::int32_t around = 0;
+          for (int v = -2; v <= (phase == 1 ? -1 : phase == 2 ? 1 : 2); ++v)
+            for (int u = -2; u <= (phase == 3 ? 1 : 2); ++u) around += narrow.magnitudes[1].row(y + v)[x + u] * (phase == 1 ? 2 : 1);
+          ASSERT_EQ(rows.around[k], around);
+          ASSERT_EQ(wide_rows.around[k], around);
         }
       }
     }
