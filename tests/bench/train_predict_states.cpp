@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
 #include <vector>
 
-#include "core/codec/predictive_coder.h"
 #include "core/codec/value_map.h"
 #include "core/support/random.h"
 #include "gis/dem_file.h"
+#include "tests/core/codec/predict_fixture.h"
 
 namespace {
 
@@ -47,18 +48,22 @@ std::vector<Raster<T>> take_levels(const Raster<T>& finest, const NodeGrid& grid
 
 Coded code_dem(const Raster<double>& values, ValueType type, double max_error) {
   const StoredValues stored(values.data(), static_cast<std::size_t>(values.size().cells()));
-  const std::optional<BoundedMap> map = map_within(type, stored, max_error);
+  StoredRange range;
+  range.add(stored);
+  ValueSurvey survey(type, range);
+  survey.add(stored);
+  const std::optional<BoundedMap> map = map_within(survey, max_error);
   Raster<std::int32_t> numbers(values.width(), values.height());
   Raster<std::uint8_t> voids(values.width(), values.height());
   for (std::int64_t i = 0; i < numbers.size().cells(); ++i) {
     voids.data()[i] = std::isnan(values.data()[i]);
     numbers.data()[i] = voids.data()[i] != 0 ? 0 : map->map.number_of(values.data()[i]);
   }
-  PredictiveOptions options;
-  options.step = map->step;
-  const NodeGrid grid(values.size(), node_side);
-  const PredictiveStreams streams = encode_predictive(numbers.view(), voids.view(), grid, options);
-  return {grid, streams.parameters, take_levels(streams.decoded, grid), take_levels(voids, grid)};
+  PredictiveEncoding how;
+  how.step = map->step;
+  const PredictiveStreams streams = encode_streams(numbers.view(), voids.view(), NodeGrid(values.size(), node_side), how);
+  const Raster<std::int32_t> decoded = decode(streams, 0, {0, 0, values.width(), values.height()}, void_reader(voids));
+  return {streams.grid, streams.parameters, take_levels(decoded, streams.grid), take_levels(voids, streams.grid)};
 }
 
 std::size_t learn(const Coded& dem, const NodeAddress& node, ResidualModels& models) {
