@@ -3,6 +3,7 @@
     tree = Tree(open('dem.sct', 'rb').read());  levels = list(stored_values(tree))  # f64 arrays from level 0 on, NaN where void
 """
 import copy
+import importlib
 import math
 import os
 import struct
@@ -98,7 +99,10 @@ SQUASH = make_squash()
 STRETCH = [next((k for k in range(5633) if SQUASH[k] >= p + 8), 5632) - 2816 for p in range(0, 65536, 16)]
 
 def squash(t):
-    return SQUASH[max(-2816, min(2816, t)) + 2816]
+    return SQUASH[clip(t, -2816, 2816) + 2816]
+
+def clip(v, low, high):
+    return max(low, min(high, v))
 
 def make(leaf, *shape):
     return [make(leaf, *shape[1:]) for _ in range(shape[0])] if shape else leaf()
@@ -128,14 +132,16 @@ class Decoder:
         model[1] += model[1] < self.limit
         return bit
     def coded(self, model):
-        return self.update(model, self.bit(max(16, min(65520, model[0] >> 6))))
-    def mixed(self, models, weights):
-        logits = [STRETCH[model[0] >> 10] for model in models]
+        return self.update(model, self.bit(clip(model[0] >> 6, 16, 65520)))
+    def mixed(self, models, weights, *more):
+        """A bit by models and maybe more logits."""
+        logits = [STRETCH[model[0] >> 10] for model in models] + list(more)
         p = squash(sum(weight * logit for weight, logit in zip(weights, logits)) >> 16)
         bit = self.bit(p)
         for i, logit in enumerate(logits):
             weights[i] += ((bit << 16) - p) * logit * 20 + (1 << 19) >> 20
-            self.update(models[i], bit)
+        for model in models:
+            self.update(model, bit)
         return bit
     def unary(self, models):
         """How many bits are 1 before one is 0, each by the next model."""
@@ -234,9 +240,9 @@ def decode_coefficient(decoder, states, band, block, x, y, places, state):
             rest = 2 * rest + (decoder.bit() if i else decoder.coded(states['mantissa'][n]))
         k += rest - 1
     if k:
-        mean = sum(weight * max(-255, min(255, value)) for weight, value in zip(MEAN[band], around(block.v)))
+        mean = sum(weight * clip(value, -255, 255) for weight, value in zip(MEAN[band], around(block.v)))
         w, _, n, _, nw, _ = ((value > 0) - (value < 0) + 1 for value in around(block.v))
-        models = states['sign_mean'][band][max(0, min(15, ((mean >> 1) + 8 * (e + 8)) // (e + 8)))], states['sign_pattern'][band][w + 3 * n + 9 * nw]
+        models = states['sign_mean'][band][clip(((mean >> 1) + 8 * (e + 8)) // (e + 8), 0, 15)], states['sign_pattern'][band][w + 3 * n + 9 * nw]
         negative = decoder.mixed(models, states['sign'][band])
         block.v[y][x] = -(2 * k - q) if negative else 2 * k - q
         block.m[y][x] = min(255, 2 * k - q)
@@ -304,7 +310,9 @@ def hold(values, kind):
     return np.where(values < 0, -np.floor(0.5 - values), np.floor(values + 0.5)) + 0.0
 
 def stored_values(tree):
-    for level, values in enumerate({1: decode_wavelet}[tree.coder](tree)):
+    # The other coders have documents and modules of their own, which build on this one.
+    decode = decode_wavelet if tree.coder == 1 else importlib.import_module({3: 'decode_sct_patches'}[tree.coder]).decode
+    for level, values in enumerate(decode(tree)):
         values = hold(values.astype(float), TYPES[tree.type])
         if tree.voids:
             values[decode_mask(tree, level) == 1] = np.nan

@@ -106,6 +106,26 @@ void add_described(const Folder& folder) {
   folder.add("wide.sct", mountains(256, 203, whole_metres), header_of(ValueType::int16), target_of(TreeClaim::bytes, 1500, 256));
 }
 
+CompressOptions patches_of(int radius, int atoms, int sparsity) {
+  CompressOptions options = target_of(TreeClaim::none, 0, 32);
+  options.profile = TreeProfile::paper;
+  options.patches.radius = radius;
+  options.patches.atoms = atoms;
+  options.patches.sparsity = sparsity;
+  options.patches.quantiser_loss_db = 1;
+  return options;
+}
+
+void add_patches(const Folder& folder) {
+  const auto with_holes = [](double metres, std::int64_t x, std::int64_t y) {
+    return std::hypot(x - 30, y - 20) < 8 || x > 60 || (x * 5 + y * 11) % 83 == 0 ? nothing : std::round(metres);
+  };
+  folder.add("patches.sct", mountains(40, 37, metres_as_they_are), header_of(ValueType::float32), patches_of(3, 6, 1));
+  folder.add("patches_voids.sct", mountains(66, 43, with_holes), header_of(ValueType::int16), patches_of(6, 4, 2));
+  folder.add("patches_many.sct", mountains(46, 34, metres_as_they_are), header_of(ValueType::float64), patches_of(2, 80, 4));
+  folder.add("patches_root.sct", mountains(8, 5, whole_metres), header_of(ValueType::uint16), patches_of(2, 3, 3));
+}
+
 }  // namespace
 }  // namespace arete
 
@@ -119,4 +139,5 @@ int main(int count, char** arguments) {
   arete::add_floats(folder);
   arete::add_shapes(folder);
   arete::add_described(folder);
+  arete::add_patches(folder);
 }
