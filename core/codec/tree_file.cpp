@@ -254,7 +254,7 @@ class MemoryBytes final : public ByteSource {
   explicit MemoryBytes(std::span<const std::byte> bytes) : bytes_(bytes) {}
   std::uint64_t size() const override { return bytes_.size(); }
   void read(std::uint64_t position, std::span<std::byte> to) const override {
-    std::memcpy(to.data(), bytes_.data() + position, to.size());
+    std::copy_n(bytes_.data() + position, to.size(), to.data());
   }
 
  private:

@@ -135,7 +135,7 @@ CodedNode code_node(const WaveletPyramid& pyramid, const NodeAddress& node, cons
     const auto i = static_cast<std::size_t>(b);
     const Window band = node_band(pyramid.grid, node, b);
     const float scale = band_norm(node.level, b) / how.step;
-    for (std::int64_t k = 0; k < part.bands[i].size().cells(); ++k) part.bands[i].data()[k] *= scale;
+    for (std::int64_t k = 0; k < part.bands[i].size().cells(); ++k) part.bands[i].data()[k] = hold_steps(part.bands[i].data()[k] * scale, static_cast<float>(coefficient_limit));
     views[i] = part.bands[i].view().sub({0, 0, band.width, band.height});
   }
   const NodeCoefficients coefficients = quantise_node(views, parent, how.lambda, how.passes);

@@ -11,6 +11,9 @@
 namespace arete {
 namespace {
 
+// Differences have up to 38 bits.
+constexpr float most_steps = 0x1p36F;
+
 float root_step(const WaveletParameters& parameters) {
   return 2 * parameters.step / band_norm(std::max(1, parameters.grid.levels()), band_count);
 }
@@ -23,7 +26,7 @@ std::vector<std::byte> encode_wavelet_root(const Raster<float>& root, const Wave
   BitModel exponent[40];
   std::int64_t before = 0;
   for (std::int64_t i = 0; i < root.size().cells(); ++i) {
-    const auto value = static_cast<std::int64_t>(std::llround(root.data()[i] / step));
+    const auto value = static_cast<std::int64_t>(std::llround(hold_steps(root.data()[i] / step, most_steps)));
     const std::int64_t difference = value - before;
     const std::uint64_t folded = difference < 0 ? 2 * static_cast<std::uint64_t>(-difference) - 1 : 2 * static_cast<std::uint64_t>(difference);
     const int bits = std::bit_width(folded);

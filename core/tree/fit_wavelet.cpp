@@ -16,6 +16,7 @@ namespace {
 constexpr int fine_side = 256;
 constexpr int wide_side = 512;
 constexpr double sparse_bits_per_cell = 0.25;
+constexpr double least_step = 1e-30, greatest_step = 1e30;  // floats that the norms of all levels leave finite and above 0
 constexpr int most_trials = 14;
 constexpr int patience = 8;  // trials, where the tree is so small that its error jumps
 constexpr double close_enough = 0.997;   // of an error that is aimed at: 0.03 dB
@@ -68,7 +69,8 @@ class Search {
   void forget_flat_water() { flat_ = {}; }
 
   Trial encode(double step) {
-    step = std::max(step, pyramid_->details.least_step());
+    const double finest = std::max(least_step, pyramid_->details.least_step());
+    step = std::min(greatest_step, step > finest ? step : finest);
     progress_.begin(trials_++ == 0 ? "encoding" : "encoding, try " + std::to_string(trials_), header_.grid.node_count());
     TreeDraft draft(masks_, flat_, options_.scratch);
     WaveletEncoding how;
@@ -273,13 +275,15 @@ Trial try_flat_water(Search& search, const Aim& aim, Trial best) {
 }  // namespace
 
 FittedTree fit_wavelet(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress) {
-  const double range = std::max(cells.range.highest - cells.range.lowest, 1e-9);
+  const double range = cells.range.highest > cells.range.lowest ? cells.range.highest - cells.range.lowest : 1e-9;
   Aim aim{options.target.kind == TreeClaim::bytes, options.target.value};
   if (options.target.kind == TreeClaim::psnr) aim.value = range / std::pow(10, options.target.value / 20);
   if (options.target.kind == TreeClaim::rmse) aim.value /= cells.metres_per_stored;
   Search search(cells, header, options, progress);
   Trial best = search_aim(search, aim, start(search, aim, cells.size().cells(), options.node_side));
   if (best.file && options.flat == FlatWater::automatic) best = try_flat_water(search, aim, std::move(best));
+  // Of a raster that is flat, or nearly so, the ratio claimed may not be what the error aimed at stands for.
+  if (best.file && !keeps_claim(header, best.found)) return {};
   return {std::move(best.file), best.found, TreeCoder::wavelet, {}};
 }
 

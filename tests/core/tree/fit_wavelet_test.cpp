@@ -10,15 +10,19 @@
 namespace arete {
 namespace {
 
-FittedTree fit(const CompressionTarget& target, int side) {
-  const Raster<float> terrain = codec_terrain(200, 160);
-  Raster<double> stored(200, 160);
-  for (std::int64_t i = 0; i < terrain.size().cells(); ++i) stored.data()[i] = terrain.data()[i];
+FittedTree fit_cells(Raster<double> stored, const CompressionTarget& target, int side) {
   TreeHeader header;
   CompressOptions options;
   options.target = target;
   options.node_side = side;
   return fit_wavelet(read_tree_cells(MemoryStored(std::move(stored)), header, options.scratch), header, options, nullptr);
+}
+
+FittedTree fit(const CompressionTarget& target, int side) {
+  const Raster<float> terrain = codec_terrain(200, 160);
+  Raster<double> stored(200, 160);
+  for (std::int64_t i = 0; i < terrain.size().cells(); ++i) stored.data()[i] = terrain.data()[i];
+  return fit_cells(std::move(stored), target, side);
 }
 
 TEST(FitWavelet, ComesCloseToTheError) {
@@ -42,6 +46,25 @@ TEST(FitWavelet, MoreBytesThanNeededAreNotSpoiled) {
   const FittedTree fitted = fit({TreeClaim::bytes, 1e7}, 64);
   ASSERT_NE(fitted.file, nullptr);
   EXPECT_LT(fitted.errors.rmse_m, 1e-3);
+}
+
+// Found by tests/fuzz/round_trip_fuzz.cpp, as 2b 98 98 ee 2f 0a 0b 98 ee 2f 0a e5: the range was taken for a nanometre.
+TEST(FitWavelet, KeepsTheRatioOfATinyRange) {
+  Raster<double> stored(20, 9, 0.0);
+  stored(4, 5) = 1e-12;
+  const FittedTree fitted = fit_cells(std::move(stored), {TreeClaim::psnr, 40}, 32);
+  ASSERT_TRUE(fitted.file != nullptr);
+  EXPECT_GE(fitted.errors.psnr_db(), 40);
+}
+
+// Found by tests/fuzz/round_trip_fuzz.cpp, as 08 ff ff ff 02 00 00 00 7a: more steps than an index has room for.
+TEST(FitWavelet, SaysWhereAStepIsTooFine) {
+  for (double highest : {1.0, 1e10, 3.4e38}) {
+    Raster<double> stored(40, 37, 0.0);
+    stored(20, 11) = highest;
+    stored(0, 0) = -highest;
+    EXPECT_TRUE(fit_cells(std::move(stored), {TreeClaim::rmse, highest * 1e-40}, 32).file == nullptr) << highest;
+  }
 }
 
 }  // namespace
