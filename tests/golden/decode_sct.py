@@ -4,6 +4,7 @@
 """
 import copy
 import importlib
+import itertools
 import math
 import os
 import struct
@@ -36,8 +37,10 @@ class Bytes:
         return byte if byte < 128 else byte - 128 + 128 * self.varint()
     def blob(self):
         return self.take(self.varint())
+    def left(self):
+        return len(self.data) - self.at
     def rest(self):
-        return self.take(len(self.data) - self.at)
+        return self.take(self.left())
 
 class Tree:
     def __init__(self, data):
@@ -63,6 +66,7 @@ class Tree:
         self.claim = d.number('B')
         self.claimed = d.number('d') if self.claim > 1 else 0
         self.parameters, self.root = d.blob(), d.blob()
+        self.flat = self.coder == 1 and len(self.parameters) > 7  # section 6.7
         self.sizes, self.streams, at = [(self.height, self.width)], {}, 4  # rows, columns of each level
         while max(self.sizes[-1]) > 8:
             self.sizes.append(tuple((n + 1) // 2 for n in self.sizes[-1]))
@@ -78,9 +82,9 @@ class Tree:
         high, wide = [-(-n // self.side) for n in self.sizes[level - 1]]
         return [(level, j, i) for j in range(high) for i in range(wide)]
     def parts(self, stream):
-        """Mask and coder's stream."""
+        """Mask of voids, flat water and the coder's stream."""
         parts = Bytes(stream)
-        return (parts.blob() if self.voids and stream else b''), parts.rest()
+        return *(parts.blob() if there and parts.left() else b'' for there in (self.voids, self.flat)), parts.rest()
     def squares(self, band, level, side):
         """The part of an array over a level that each node has, side x side from the corner."""
         return {(l, j, i): band[j * side:(j + 1) * side, i * side:(i + 1) * side] for l, j, i in self.nodes(level)}
@@ -133,13 +137,13 @@ class Decoder:
         return bit
     def coded(self, model):
         return self.update(model, self.bit(clip(model[0] >> 6, 16, 65520)))
-    def mixed(self, models, weights, *more):
+    def mixed(self, models, weights, *more, rate=20):
         """A bit by models and maybe more logits."""
         logits = [STRETCH[model[0] >> 10] for model in models] + list(more)
         p = squash(sum(weight * logit for weight, logit in zip(weights, logits)) >> 16)
         bit = self.bit(p)
         for i, logit in enumerate(logits):
-            weights[i] += ((bit << 16) - p) * logit * 20 + (1 << 19) >> 20
+            weights[i] += ((bit << 16) - p) * logit * rate + (1 << 19) >> 20
         for model in models:
             self.update(model, bit)
         return bit
@@ -149,19 +153,20 @@ class Decoder:
 
 # 5: voids
 
-def decode_mask(tree, level):
+def decode_voids(tree, level):
     """1 where void."""
+    return decode_mask(tree, level, tree.parts(tree.root)[0], {node: tree.parts(stream)[0] for node, stream in tree.streams.items()})
+
+def decode_mask(tree, level, root, streams):
     if level == tree.levels:
         high, wide = tree.sizes[level]
-        root = tree.parts(tree.root)[0]
         require(len(root) == (high * wide + 7) // 8)
         return np.unpackbits(np.frombuffer(root, np.uint8), bitorder='little')[:high * wide].reshape(high, wide)
-    coarse = np.pad(decode_mask(tree, level + 1), (0, 1), mode='edge')
+    coarse = np.pad(decode_mask(tree, level + 1, root, streams), (0, 1), mode='edge')
     mask = np.zeros(tree.sizes[level], np.uint8)
     for node, block in tree.squares(mask, level + 1, tree.side).items():
-        stream = tree.parts(tree.streams[node])[0]
-        if stream:
-            block[:] = decode_block_mask(stream, block.shape, coarse[node[1] * tree.side // 2:, node[2] * tree.side // 2:])
+        if streams[node]:
+            block[:] = decode_block_mask(streams[node], block.shape, coarse[node[1] * tree.side // 2:, node[2] * tree.side // 2:])
     return mask
 
 def decode_block_mask(stream, shape, coarse):
@@ -191,12 +196,14 @@ def norm(level, band):
     low, high = [math.prod([F32(1.41421356)] * (level - 8), start=F32(table[min(level, 8) - 1])) for table in (LOW, HIGH)]
     return (high * low, high * low, high * high, low * low)[band]
 
+def unpack_state(a):
+    return [64 * squash(24 * (a >> 5)), a & 31]
+
 def first_states():
     with open(os.path.join(CODEC, 'subband_states.inc')) as file:
         numbers = map(int, file.read().replace(',', ' ').split())
-    unpack = lambda a: [64 * squash(24 * (a >> 5)), a & 31]
     shapes = dict(energy=(10, 2, 3, 40), local=(10, 2, 8, 8, 2), exponent=(4, 28), mantissa=(28,), sign_mean=(3, 16), sign_pattern=(3, 27), flag=(3, 8, 4))
-    states = {name: make(lambda: unpack(next(numbers)), *shape) for name, shape in shapes.items()}
+    states = {name: make(lambda: unpack_state(next(numbers)), *shape) for name, shape in shapes.items()}
     return states | {name: make(lambda: [next(numbers), next(numbers)], *shape) for name, shape in dict(decision=(10, 2, 8), sign=(3,)).items()}
 
 class Block:
@@ -278,9 +285,9 @@ def synthesise(low, bands, size):
 
 def decode_wavelet(tree):
     """The values of each level, from 0 on, as f32."""
-    step, *shrink = struct.unpack('<f3B', tree.parameters)
+    step, *shrink = struct.unpack('<f3B', tree.parameters[:7])
     step, offsets = F32(step), np.array([0] + shrink, F32) / F32(256)
-    levels = [decode_root(tree.parts(tree.root)[1], tree.sizes[-1], F32(2) * step / norm(max(1, tree.levels), 3))]
+    levels = [decode_root(tree.parts(tree.root)[2], tree.sizes[-1], F32(2) * step / norm(max(1, tree.levels), 3))]
     first, half, parents = first_states(), tree.side // 2, {}
     for level in range(tree.levels, 0, -1):
         high, wide = tree.sizes[level - 1]
@@ -289,7 +296,7 @@ def decode_wavelet(tree):
         for node in tree.nodes(level):
             l, j, i = node
             blocks = nodes[node] = [Block(*window[node].shape) for window in windows]
-            stream, states = tree.parts(tree.streams[node])[1], copy.deepcopy(first)
+            stream, states = tree.parts(tree.streams[node])[2], copy.deepcopy(first)
             decoder, parent = Decoder(stream, 160), parents.get((l + 1, j // 2, i // 2), (None,) * 3)
             for band in range(3 if stream else 0):
                 decode_band(decoder, states, band, blocks, parent[band], i % 2 * half // 2, j % 2 * half // 2)
@@ -299,6 +306,37 @@ def decode_wavelet(tree):
         levels.insert(0, synthesise(levels[0], bands, (high, wide)))
         parents = nodes
     return levels
+
+def decode_flat_water(tree, level, cells):
+    """Puts the values of flat cells in their place."""
+    water = {node: FlatWater(tree.parts(stream)[1], tree.type) for node, stream in tree.streams.items()}
+    mask = decode_mask(tree, level, tree.parts(tree.root)[1], {node: flat.mask for node, flat in water.items()})
+    blocks = tree.squares(cells, level + 1, tree.side)
+    for node, flat in tree.squares(mask, level + 1, tree.side).items():
+        if water[node].mask:
+            water[node].decode(flat.tolist(), blocks[node])
+
+class FlatWater:
+    """Of a node."""
+    def __init__(self, blob, kind):
+        data = Bytes(blob)
+        count = data.varint() if blob else 0
+        self.values = [data.number('f' if kind == 6 else 'd') for _ in range(count)] if kind > 5 else [data.varint() for _ in range(count)]
+        if kind < 6 and count:
+            first, *others = self.values
+            self.values = list(itertools.accumulate(others, lambda v, more: v + more + 1, initial=-(first + 1) // 2 if first % 2 else first // 2))
+        self.mask, self.indexes = data.blob() if count > 1 else data.rest(), data.rest()
+    def decode(self, flat, block):
+        decoder, models, most, seen = Decoder(self.indexes, 250), [new_model(), new_model()], len(self.values) - 1, {}
+        for y, x in itertools.product(range(len(flat)), range(len(flat[0]))):
+            if flat[y][x]:
+                k = next((k for k, place in enumerate(((y, x - 1), (y - 1, x))) if place in seen), None)
+                if most and k is not None and decoder.coded(models[k]):
+                    seen[y, x] = seen[((y, x - 1), (y - 1, x))[k]]
+                else:
+                    bits = [decoder.bit() for _ in range(most.bit_length())]
+                    seen[y, x] = min(most, int(''.join(map(str, bits)) or '0', 2))
+                block[y, x] = self.values[seen[y, x]]
 
 # 7: values
 
@@ -311,9 +349,11 @@ def hold(values, kind):
 
 def stored_values(tree):
     # The other coders have documents and modules of their own, which build on this one.
-    decode = decode_wavelet if tree.coder == 1 else importlib.import_module({3: 'decode_sct_patches'}[tree.coder]).decode
+    decode = decode_wavelet if tree.coder == 1 else importlib.import_module({2: 'decode_sct_predictive', 3: 'decode_sct_patches'}[tree.coder]).decode
     for level, values in enumerate(decode(tree)):
         values = hold(values.astype(float), TYPES[tree.type])
+        if tree.flat and level < tree.levels:
+            decode_flat_water(tree, level, values)
         if tree.voids:
-            values[decode_mask(tree, level) == 1] = np.nan
+            values[decode_voids(tree, level) == 1] = np.nan
         yield values

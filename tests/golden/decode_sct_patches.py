@@ -113,7 +113,7 @@ def decode(tree):
     home = lambda count, cells: [min(k * R, cells - 1) // tree.side if tree.levels else 0 for k in range(count)]
     for (_, Y, X), stream in streams.items():
         ys, xs = [[k for k, node in enumerate(nodes) if node == mine] for nodes, mine in ((home(rows, tree.height), Y), (home(columns, tree.width), X))]
-        z, terms = decode_discs(tree.parts(stream)[1], len(xs), len(ys), s, moments) if tree.parts(stream)[1] else (make(int, len(ys), len(xs)), {})
+        z, terms = decode_discs(tree.parts(stream)[2], len(xs), len(ys), s, moments) if tree.parts(stream)[2] else (make(int, len(ys), len(xs)), {})
         for v, u in itertools.product(range(len(ys)), range(len(xs))):
             square = slice(ys[v] * R, ys[v] * R + m), slice(xs[u] * R, xs[u] * R + m)
             weight[square] += a

@@ -80,6 +80,22 @@ void add_floats(const Folder& folder) {
   folder.add("fine.sct", mountains(23, 19, metres_as_they_are), header_of(ValueType::float64), target_of(TreeClaim::rmse, 0.001, 32));
 }
 
+// A sea, and lakes on three heights.
+void add_water(const Folder& folder) {
+  const auto heights = [](std::int64_t x, std::int64_t y, double metres) {
+    if (x + y < 60) return 0.0;
+    if (std::hypot(x - 70, y - 40) < 13) return 612.0;
+    if (std::hypot(x - 96, y - 70) < 11) return 655.0;
+    return std::hypot(x - 40, y - 77) < 10 ? 655.5 : metres;
+  };
+  const auto whole = [&](double metres, std::int64_t x, std::int64_t y) { return std::floor(heights(x, y, metres)); };
+  const auto with_holes = [&](double metres, std::int64_t x, std::int64_t y) { return x > 100 || (x * 7 + y * 3) % 97 == 0 ? nothing : heights(x, y, metres); };
+  CompressOptions options = target_of(TreeClaim::rmse, 8, 32);
+  options.flat = FlatWater::exact;
+  folder.add("water.sct", mountains(110, 90, whole), header_of(ValueType::int16), options);
+  folder.add("water_voids.sct", mountains(110, 90, with_holes), header_of(ValueType::float32), options);
+}
+
 void add_shapes(const Folder& folder) {
   folder.add("row.sct", mountains(150, 1, metres_as_they_are), header_of(ValueType::float32), target_of(TreeClaim::rmse, 2, 32));
   folder.add("column.sct", mountains(1, 90, whole_metres), header_of(ValueType::uint16), target_of(TreeClaim::rmse, 3, 32));
@@ -122,8 +138,22 @@ void add_patches(const Folder& folder) {
   };
   folder.add("patches.sct", mountains(40, 37, metres_as_they_are), header_of(ValueType::float32), patches_of(3, 6, 1));
   folder.add("patches_voids.sct", mountains(66, 43, with_holes), header_of(ValueType::int16), patches_of(6, 4, 2));
-  folder.add("patches_many.sct", mountains(46, 34, metres_as_they_are), header_of(ValueType::float64), patches_of(2, 80, 4));
+  folder.add("patches_many.sct", mountains(30, 22, metres_as_they_are), header_of(ValueType::float64), patches_of(2, 66, 4));
   folder.add("patches_root.sct", mountains(8, 5, whole_metres), header_of(ValueType::uint16), patches_of(2, 3, 3));
+}
+
+void add_predicted(const Folder& folder) {
+  const auto with_holes = [](double metres, std::int64_t x, std::int64_t y) {
+    return std::hypot(x - 44, y - 22) < 9 || x + 2 * y < 30 || (x * 3 + y * 17) % 89 == 0 ? nothing : std::round(metres);
+  };
+  const auto centimetres = [](double metres, std::int64_t, std::int64_t) { return static_cast<double>(static_cast<float>(std::round(metres * 100) / 100)); };
+  folder.add("lossless.sct", mountains(61, 43, whole_metres), header_of(ValueType::int16), target_of(TreeClaim::lossless, 0, 32));
+  folder.add("lossless_voids.sct", mountains(70, 39, with_holes), header_of(ValueType::int16), target_of(TreeClaim::lossless, 0, 32));
+  folder.add("lossless_cm.sct", mountains(37, 29, centimetres), header_of(ValueType::float32), target_of(TreeClaim::lossless, 0, 32));
+  folder.add("lossless_floats.sct", mountains(17, 12, metres_as_they_are), header_of(ValueType::float32), target_of(TreeClaim::lossless, 0, 32));
+  folder.add("lossless_root.sct", mountains(6, 8, whole_metres), header_of(ValueType::int32), target_of(TreeClaim::lossless, 0, 32));
+  folder.add("bounded.sct", mountains(90, 75, metres_as_they_are), header_of(ValueType::float32), target_of(TreeClaim::max_error, 3, 64));
+  folder.add("bounded_voids.sct", mountains(70, 39, with_holes), header_of(ValueType::int32), target_of(TreeClaim::max_error, 4, 32));
 }
 
 }  // namespace
@@ -137,7 +167,9 @@ int main(int count, char** arguments) {
   const arete::Folder folder(arguments[1]);
   arete::add_metres(folder);
   arete::add_floats(folder);
+  arete::add_water(folder);
   arete::add_shapes(folder);
   arete::add_described(folder);
   arete::add_patches(folder);
+  arete::add_predicted(folder);
 }
