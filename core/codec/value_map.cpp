@@ -83,7 +83,11 @@ double rounding_of(ValueType type, const StoredRange& range) {
 
 double ValueMap::value_of(std::int32_t n, std::uint64_t low) const {
   if (kind == Kind::float_bits) return static_cast<double>(float_of(base + n));
-  if (kind == Kind::double_bits) return double_of(static_cast<std::int64_t>(static_cast<std::uint64_t>(base + n) << low_bits | low));
+  if (kind == Kind::double_bits) {
+    // Unsigned: a damaged base wraps.
+    const std::uint64_t high = static_cast<std::uint64_t>(base) + static_cast<std::uint64_t>(std::int64_t{n});
+    return double_of(static_cast<std::int64_t>(high << low_bits | low));
+  }
   return hold_to(type, static_cast<double>(base + n) * numerator / denominator);
 }
 
@@ -101,7 +105,7 @@ std::uint64_t ValueMap::low_of(double value) const {
 
 void put_value_map(const ValueMap& map, ByteWriter& out) {
   out.put_u8(static_cast<std::uint8_t>(map.kind));
-  out.put_varint(static_cast<std::uint64_t>(map.base < 0 ? -2 * map.base - 1 : 2 * map.base));
+  out.put_varint(map.base < 0 ? 2 * static_cast<std::uint64_t>(-(map.base + 1)) + 1 : 2 * static_cast<std::uint64_t>(map.base));
   if (map.kind == ValueMap::Kind::double_bits) out.put_u8(static_cast<std::uint8_t>(map.low_bits));
   if (map.kind != ValueMap::Kind::steps) return;
   out.put(map.numerator);
@@ -114,7 +118,8 @@ ValueMap get_value_map(ByteReader& in, ValueType type) {
   const std::uint8_t kind = in.get_u8();
   if (kind < 1 || kind > 3) in.fail("its values are mapped in a way that does not exist");
   map.kind = static_cast<ValueMap::Kind>(kind);
-  const std::uint64_t folded = in.get_varint(std::uint64_t{1} << 54, "the base of its values");
+  const std::uint64_t greatest = map.kind == ValueMap::Kind::double_bits ? std::numeric_limits<std::uint64_t>::max() : std::uint64_t{1} << 54;
+  const std::uint64_t folded = in.get_varint(greatest, "the base of its values");
   map.base = folded % 2 ? -static_cast<std::int64_t>(folded / 2) - 1 : static_cast<std::int64_t>(folded / 2);
   if (map.kind == ValueMap::Kind::double_bits) map.low_bits = static_cast<int>(in.get_varint(ValueMap::greatest_low_bits, "the count of its lower bits"));
   if (map.kind != ValueMap::Kind::steps) return map;

@@ -114,7 +114,10 @@ TEST(ValueMap, BoundsOfIntegersAreWholeSteps) {
 
 TEST(ValueMap, ComesBackFromBytes) {
   for (const ValueMap& map : {ValueMap{ValueMap::Kind::steps, ValueType::float32, -12345, 381, 1250}, ValueMap{ValueMap::Kind::float_bits, ValueType::float64, 1LL << 40},
-                              ValueMap{ValueMap::Kind::double_bits, ValueType::float64, -(1LL << 30), 1, 1, 33}}) {
+                              ValueMap{ValueMap::Kind::double_bits, ValueType::float64, -(1LL << 30), 1, 1, 33},
+                              // Found by tests/fuzz/round_trip_fuzz.cpp: doubles in a narrow range have a base of up to 64 bits.
+                              ValueMap{ValueMap::Kind::double_bits, ValueType::float64, std::numeric_limits<std::int64_t>::max()},
+                              ValueMap{ValueMap::Kind::double_bits, ValueType::float64, std::numeric_limits<std::int64_t>::min()}}) {
     ByteWriter out;
     put_value_map(map, out);
     ByteReader in(out.bytes(), "x");
