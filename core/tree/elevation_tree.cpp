@@ -112,17 +112,20 @@ Raster<double> ElevationTree::decode_numbers(int level, const Window& window) co
   return stored;
 }
 
-Raster<double> ElevationTree::decode(int level, const Window& window) const {
-  if (header().coder == TreeCoder::predictive) return decode_numbers(level, window);
-  const bool flat = header().coder == TreeCoder::wavelet && wavelet_.flat;
-  const auto coded = [&](std::vector<std::byte> stream) { return flat ? split_parts(stream, file_.name()).rest : stream; };
+Raster<float> ElevationTree::decode_surface(int level, const Window& window) const {
+  const auto coded = [&](std::vector<std::byte> stream) { return has_flat_water() ? split_parts(stream, file_.name()).rest : stream; };
   const auto streams = [&](std::int64_t index) { return coded(cells_of(file_, index)); };
   const std::vector<std::byte> root = coded(root_parts(file_).rest);
-  const Raster<float> cells = header().coder == TreeCoder::patches ? decode_patches(patches_, root, streams, level, window, threads_)
-                                                                   : decode_wavelet(wavelet_, root, streams, level, window, threads_, coefficients_.get());
+  if (header().coder == TreeCoder::patches) return decode_patches(patches_, root, streams, level, window, threads_);
+  return decode_wavelet(wavelet_, root, streams, level, window, threads_, coefficients_.get());
+}
+
+Raster<double> ElevationTree::decode(int level, const Window& window) const {
+  if (header().coder == TreeCoder::predictive) return decode_numbers(level, window);
+  const Raster<float> cells = decode_surface(level, window);
   Raster<double> stored(window.width, window.height);
-  for (std::int64_t i = 0; i < cells.size().cells(); ++i) stored.data()[i] = static_cast<double>(cells.data()[i]);
-  if (flat) set_flat_water(level, window, stored);
+  std::copy_n(cells.data(), cells.size().cells(), stored.data());
+  if (has_flat_water()) set_flat_water(level, window, stored);
   return stored;
 }
 
@@ -202,13 +205,28 @@ void ElevationTree::read_stored(int level, const Window& window, RasterView<doub
       out(x, y) = header().voids && mask(x, y) ? std::numeric_limits<double>::quiet_NaN() : hold_to(header().type, cells(x, y));
 }
 
+template <class T>
+void ElevationTree::write_metres(const Raster<T>& stored, RasterView<float> out) const {
+  const TreeHeader& about = header();
+  const double scale = about.scale, offset = about.offset, metres = about.geo.metres_per_unit;
+  for (std::int64_t y = 0; y < out.height; ++y) {
+    const T* from = stored.view().row(y);
+    float* to = out.row(y);
+    if (scale == 1 && offset == 0 && metres == 1)
+      for (std::int64_t x = 0; x < out.width; ++x) to[x] = static_cast<float>(from[x]);
+    else
+      for (std::int64_t x = 0; x < out.width; ++x) to[x] = static_cast<float>((scale * static_cast<double>(from[x]) + offset) * metres);
+  }
+}
+
 void ElevationTree::read_level(int level, const Window& window, RasterView<float> out) const {
-  const Raster<double> cells = decode(level, window);
-  const Raster<std::uint8_t> mask = header().voids ? decode_mask(level, window) : Raster<std::uint8_t>();
-  const double metres = header().geo.metres_per_unit;
+  if (header().coder == TreeCoder::predictive || has_flat_water()) write_metres(decode(level, window), out);
+  else write_metres(decode_surface(level, window), out);
+  if (!header().voids) return;
+  const Raster<std::uint8_t> mask = decode_mask(level, window);
   for (std::int64_t y = 0; y < window.height; ++y)
     for (std::int64_t x = 0; x < window.width; ++x)
-      out(x, y) = header().voids && mask(x, y) ? void_value : static_cast<float>((header().scale * cells(x, y) + header().offset) * metres);
+      if (mask(x, y) != 0) out(x, y) = void_value;
 }
 
 void ElevationTree::verify_checksums() const {

@@ -41,7 +41,11 @@ class ElevationTree final : public RasterSource {
   void verify_checksums() const;
 
  private:
+  bool has_flat_water() const { return header().coder == TreeCoder::wavelet && wavelet_.flat; }
   Raster<double> decode(int level, const Window& window) const;
+  Raster<float> decode_surface(int level, const Window& window) const;
+  template <class T>
+  void write_metres(const Raster<T>& stored, RasterView<float> out) const;
   Raster<double> decode_numbers(int level, const Window& window) const;
   void set_flat_water(int level, const Window& window, Raster<double>& cells) const;
   Raster<std::uint64_t> decode_low_bits(int level, const Window& window) const;
