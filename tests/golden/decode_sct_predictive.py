@@ -2,6 +2,7 @@
 import copy
 import itertools
 import os
+import zlib
 
 import numpy as np
 
@@ -26,8 +27,12 @@ class Map:
     def __init__(self, parameters):
         self.kind, b = parameters.number('B'), parameters.varint()
         self.base = -(b - 1) // 2 - 1 if b % 2 else b // 2
+        self.low = parameters.number('B') if self.kind == 3 else 0
         self.quantum = [parameters.number('d') for _ in range(2)] if self.kind == 1 else None
-    def values(self, n):
+    def values(self, n, c):
+        if self.kind == 3:
+            bits = [((self.base + int(one) << self.low) + low) % 2**64 for one, low in zip(n.flat, c.flat)]
+            return np.array([k if k < 2**63 else 3 * 2**63 - k - 1 for k in bits], np.uint64).view(float).reshape(n.shape)
         k = n + self.base
         if self.kind == 1:
             return k.astype(float) * self.quantum[0] / self.quantum[1]
@@ -66,8 +71,8 @@ class Parameters:
 
 # 3: root
 
-def decode_root(tree, p, void):
-    decoder, models, values = Decoder(tree.parts(tree.root)[2], 1000), make(new_model, 34), make(int, *tree.sizes[-1])
+def decode_root(stream, tree, p, void):
+    decoder, models, values = Decoder(stream, 1000), make(new_model, 34), make(int, *tree.sizes[-1])
     before = p.lowest + p.highest >> 1
     for y, x in itertools.product(*map(range, tree.sizes[-1])):
         guess = values[y][x - 1] + values[y - 1][x] >> 1 if x and y else values[y - 1][x] if y else before
@@ -199,15 +204,32 @@ def first_states():
 
 STATES = first_states()
 
+def split(stream, low):
+    """The stream of the numbers and the lower bits of doubles, as a stream."""
+    parts = Bytes(stream)
+    return (parts.blob(), parts.rest()) if low and stream else (stream, b'')
+
+def fill_lower(stream, low, cells, places):
+    """Puts lower bits in the places of an array."""
+    if stream:
+        bits = np.unpackbits(np.frombuffer(zlib.decompress(stream), np.uint8), bitorder='little').tolist()
+        for i, place in enumerate(places):
+            cells[place] = sum(bit << k for k, bit in enumerate(bits[i * low:(i + 1) * low]))
+
 def decode(tree):
     """The stored values of each level, from 0 on."""
     parameters = Bytes(tree.parameters)
     values_of, p = Map(parameters), Parameters(parameters.rest(), tree.levels)
     voids = lambda level: decode_sct.decode_voids(tree, level) if tree.voids else np.zeros(tree.sizes[level], np.uint8)
     void, levels = voids(tree.levels), []
-    cells = np.array(decode_root(tree, p, void.tolist()), np.int64)
+    numbers, bits = split(tree.parts(tree.root)[2], values_of.low)
+    cells, lower = np.array(decode_root(numbers, tree, p, void.tolist()), np.int64), np.zeros(tree.sizes[-1], np.int64)
+    fill_lower(bits, values_of.low, lower, np.ndindex(lower.shape))
     for level in range(tree.levels, 0, -1):
-        levels.insert(0, cells)
+        levels.insert(0, values_of.values(cells, lower))
+        fine_lower = np.zeros(tree.sizes[level - 1], np.int64)
+        fine_lower[::2, ::2] = lower
+        low_blocks = tree.squares(fine_lower, level, tree.side)
         fine, fine_void = np.zeros(tree.sizes[level - 1], np.int64), voids(level - 1)
         high, wide = tree.sizes[level]
         blocks, masks = tree.squares(fine, level, tree.side), tree.squares(fine_void, level, tree.side)
@@ -219,9 +241,11 @@ def decode(tree):
             lattice, lattice_void = np.zeros((H, W), np.int64), np.zeros((H, W), np.int64)
             lattice[place], lattice_void[place] = cells[y0:y1, x0:x1], void[y0:y1, x0:x1]
             filled = fill_lattice(lattice.tolist(), lattice_void.tolist(), (y0 - top, y1 - top, x0 - left, x1 - left), p)
-            decoded = Node(filled, block.shape, masks[node].tolist(), p.steps[level], p, tree.parts(tree.streams[node])[2])
+            numbers, bits = split(tree.parts(tree.streams[node])[2], values_of.low)
+            fill_lower(bits, values_of.low, low_blocks[node], [(y, x) for y, x in np.ndindex(block.shape) if y % 2 or x % 2])
+            decoded = Node(filled, block.shape, masks[node].tolist(), p.steps[level], p, numbers)
             for phase, kept in p.phases[level].items():
                 decoded.decode_phase(phase, *kept)
             block[:] = [[decoded.v[x, y] for x in range(block.shape[1])] for y in range(block.shape[0])]
-        cells, void = fine, fine_void
-    return [values_of.values(one) for one in [cells] + levels]
+        cells, void, lower = fine, fine_void, fine_lower
+    return [values_of.values(cells, lower)] + levels

@@ -151,6 +151,8 @@ void add_predicted(const Folder& folder) {
   folder.add("lossless_voids.sct", mountains(70, 39, with_holes), header_of(ValueType::int16), target_of(TreeClaim::lossless, 0, 32));
   folder.add("lossless_cm.sct", mountains(37, 29, centimetres), header_of(ValueType::float32), target_of(TreeClaim::lossless, 0, 32));
   folder.add("lossless_floats.sct", mountains(17, 12, metres_as_they_are), header_of(ValueType::float32), target_of(TreeClaim::lossless, 0, 32));
+  const auto pi = [](double metres, std::int64_t x, std::int64_t y) { return x + y < 9 ? nothing : metres * 3.14159265358979; };
+  folder.add("lossless_doubles.sct", mountains(19, 11, pi), header_of(ValueType::float64), target_of(TreeClaim::lossless, 0, 32));
   folder.add("lossless_root.sct", mountains(6, 8, whole_metres), header_of(ValueType::int32), target_of(TreeClaim::lossless, 0, 32));
   folder.add("bounded.sct", mountains(90, 75, metres_as_they_are), header_of(ValueType::float32), target_of(TreeClaim::max_error, 3, 64));
   folder.add("bounded_voids.sct", mountains(70, 39, with_holes), header_of(ValueType::int32), target_of(TreeClaim::max_error, 4, 32));
