@@ -36,7 +36,7 @@ struct CompressOptions {
   PatchCodingOptions patches;  ///< of the paper's profile; its threads and node side are set from those below
   CompressionTarget target;
   FlatWater flat = FlatWater::automatic;  ///< of the wavelet coder; the predictive one keeps flat cells flat anyway, within its bound
-  int node_side = 0;  ///< 0: 512 where the tree is below a quarter of a bit a cell, else 256
+  int node_side = 0;  ///< 0: 512 where the tree is below a quarter of a bit a cell and that is smaller, else 256; 256 beyond 4096 x 4096 cells
   int passes = 2;     ///< of the quantiser: 1 takes half the time and loses 0.03 to 0.05 dB
   int threads = 0;
   Scratch scratch;    ///< for all that the encoder keeps; the result does not depend on it

@@ -16,6 +16,7 @@ namespace {
 constexpr int fine_side = 256;
 constexpr int wide_side = 512;
 constexpr double sparse_bits_per_cell = 0.25;
+constexpr std::int64_t most_cells_of_wide = std::int64_t{1} << 24;  // windows of larger rasters come faster from small nodes
 constexpr double least_step = 1e-30, greatest_step = 1e30;  // floats that the norms of all levels leave finite and above 0
 constexpr int most_trials = 14;
 constexpr int patience = 8;  // trials, where the tree is so small that its error jumps
@@ -245,7 +246,7 @@ Trial start(Search& search, const Aim& aim, std::int64_t cells, int side) {
   const double step = aim.bytes ? solve([&](double s) { return search.expected_bytes(s); }, false, std::max(1.0, aim.value - search.fixed_bytes()))
                                 : solve([&](double s) { return search.expected_error(s); }, true, aim.value);
   Trial first = search.encode(step);
-  if (side > 0 || 8.0 * static_cast<double>(first.file->size()) >= sparse_bits_per_cell * static_cast<double>(cells)) return first;
+  if (side > 0 || cells > most_cells_of_wide || 8.0 * static_cast<double>(first.file->size()) >= sparse_bits_per_cell * static_cast<double>(cells)) return first;
   search.prepare(wide_side);
   Trial wide = search.encode(step);
   if (wide.file->size() < first.file->size()) return wide;
