@@ -70,7 +70,9 @@ class Search {
   void forget_flat_water() { flat_ = {}; }
 
   Trial encode(double step) {
-    const double finest = std::max(least_step, pyramid_->details.least_step());
+    // Below the last bit of the floats there is nothing to gain.
+    const double resolution = std::ldexp(std::max(std::abs(cells_.range.lowest), std::abs(cells_.range.highest)), -26);
+    const double finest = std::max({least_step, pyramid_->details.least_step(), resolution});
     step = std::min(greatest_step, step > finest ? step : finest);
     progress_.begin(trials_++ == 0 ? "encoding" : "encoding, try " + std::to_string(trials_), header_.grid.node_count());
     TreeDraft draft(masks_, flat_, options_.scratch);

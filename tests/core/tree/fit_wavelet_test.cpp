@@ -67,5 +67,17 @@ TEST(FitWavelet, SaysWhereAStepIsTooFine) {
   }
 }
 
+// A raster without nodes: nothing foretells its size.
+TEST(FitWavelet, ThreeCellsInManyBytesAreNearlyExact) {
+  Raster<double> stored(3, 1);
+  stored(0, 0) = 1, stored(1, 0) = 5, stored(2, 0) = 2;
+  const MemoryStored source(std::move(stored));
+  CompressOptions options;
+  options.target = {TreeClaim::bytes, 120};
+  const FittedTree fitted = fit_wavelet(read_tree_cells(source, {}, {}), {}, options, nullptr);
+  ASSERT_NE(fitted.file, nullptr);
+  EXPECT_LT(fitted.errors.max_error_m, 1e-4);
+}
+
 }  // namespace
 }  // namespace arete
