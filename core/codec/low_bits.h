@@ -9,7 +9,7 @@
 namespace arete {
 
 // What lies below the numbers that the predictive coder codes, where doubles are kept to the last bit (ValueMap::low_bits): mostly
-// noise, stored as it is. Laid out in core/codec/tree-format.md.
+// noise, stored as it is. Laid out in core/codec/predictive-format.md.
 
 /// Numbers of `bits` bits each, the lowest first, deflated; empty where all are 0.
 std::vector<std::byte> pack_low_bits(std::span<const std::uint64_t> numbers, int bits);

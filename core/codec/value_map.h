@@ -13,9 +13,10 @@ namespace arete {
 
 /// How stored numbers become the integers that the predictive coder codes. Back: hold_to(type, (base + n) x numerator / denominator),
 /// or, of kind float_bits, the Float32 whose bits, mapped so that larger floats have larger numbers, are base + n, or, of kind
-/// double_bits, the Float64 whose bits, mapped so, are base + n followed by `low_bits` lower ones, which are no part of n.
+/// double_bits, the Float64 whose bits, mapped so, are base + n followed by `low_bits` lower ones, which are no part of n, or, of kind
+/// near_steps, the float so many floats of its type above what steps give as is kept beside n: 0 for most cells.
 struct ValueMap {
-  enum class Kind : std::uint8_t { steps = 1, float_bits = 2, double_bits = 3 };
+  enum class Kind : std::uint8_t { steps = 1, float_bits = 2, double_bits = 3, near_steps = 4 };
   Kind kind = Kind::steps;
   ValueType type = ValueType::int16;
   std::int64_t base = 0;
@@ -25,12 +26,14 @@ struct ValueMap {
 
   static constexpr int greatest_low_bits = 33;
 
-  /// The stored number of n and the lower bits. Doubles in a fixed order: the same on every machine.
-  double value_of(std::int32_t n, std::uint64_t low = 0) const;
+  /// Whether numbers other than 0 may stand beside n: the lower bits, or the floats above the steps, modulo 2^64.
+  bool has_beside() const { return low_bits > 0 || kind == Kind::near_steps; }
+  /// The stored number of n and what stands beside it. Doubles in a fixed order: the same on every machine.
+  double value_of(std::int32_t n, std::uint64_t beside = 0) const;
   /// The nearest n of a stored number within the range that the map was made for.
   std::int32_t number_of(double value) const;
-  /// The lower bits of a stored number; 0 where it is NaN or the map has none.
-  std::uint64_t low_of(double value) const;
+  /// What stands beside the n of a stored number; 0 where it is NaN or the map has nothing beside.
+  std::uint64_t beside_of(double value) const;
 };
 
 void put_value_map(const ValueMap& map, ByteWriter& out);
@@ -56,13 +59,22 @@ class ValueSurvey {
   std::optional<ValueMap> quantised() const;
   /// The same, else the bits of 32-bit floats, or of 64-bit ones. Nullopt for integers that span more than 32 bits.
   std::optional<ValueMap> lossless() const;
+  /// Of kind near_steps, the coarsest quantum that gives at least half of the numbers back (of one in 17, which it goes by). Nullopt
+  /// where there is none, or it gives all back.
+  std::optional<ValueMap> nearly_quantised() const;
   const StoredRange& range() const { return range_; }
   ValueType type() const { return type_; }
 
  private:
+  struct Near {
+    ValueMap map;
+    std::int64_t exact = 0;  ///< numbers of the sample that it gives back
+  };
   ValueType type_;
   StoredRange range_;
   std::vector<ValueMap> candidates_;  ///< that all numbers told so far agree with, the best first
+  std::vector<Near> near_;            ///< of all quanta, for floats
+  std::int64_t sampled_ = 0;
 };
 
 /// A map and the step of the coder (an odd number of n) with which no number is further off than `max_error` after hold_to.

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/codec/byte_stream.h"
+#include "core/codec/beside_numbers.h"
 #include "core/codec/flat_coder.h"
-#include "core/codec/low_bits.h"
 #include "core/codec/patch_coder.h"
 #include "core/codec/stream_parts.h"
 #include "core/codec/void_mask_coder.h"
@@ -22,9 +22,6 @@ std::vector<std::byte> cells_of(const TreeFile& file, std::int64_t index) {
   std::vector<std::byte> stream = file.read_node(index);
   return file.header().voids ? split_parts(stream, file.name()).rest : stream;
 }
-
-// Whether a cell of a block belongs to the coarser level.
-bool on_lattice(std::int64_t x, std::int64_t y) { return x % 2 == 0 && y % 2 == 0; }
 
 // The root of a tree: its coarsest mask, empty without voids, and what the coder has.
 StreamParts root_parts(const TreeFile& file) {
@@ -101,14 +98,14 @@ ElevationTree ElevationTree::open(const std::string& path, int threads, const Di
 }
 
 Raster<double> ElevationTree::decode_numbers(int level, const Window& window) const {
-  const bool has_low = map_.low_bits > 0;
-  const auto numbers_of = [&](std::vector<std::byte> stream) { return has_low ? split_parts(stream, file_.name()).first : stream; };
+  const bool has_beside = map_.has_beside();
+  const auto numbers_of = [&](std::vector<std::byte> stream) { return has_beside ? split_parts(stream, file_.name()).first : stream; };
   const auto streams = [&](std::int64_t index) { return numbers_of(cells_of(file_, index)); };
   const VoidReader voids = header().voids ? VoidReader([this](int l, const Window& w) { return decode_mask(l, w); }) : VoidReader();
   const Raster<std::int32_t> numbers = decode_predictive(header().grid, predictive_, numbers_of(root_parts(file_).rest), streams, voids, level, window, threads_, numbers_.get());
-  const Raster<std::uint64_t> low = has_low ? decode_low_bits(level, window) : Raster<std::uint64_t>();
+  const Raster<std::uint64_t> beside = has_beside ? decode_beside(level, window) : Raster<std::uint64_t>();
   Raster<double> stored(window.width, window.height);
-  for (std::int64_t i = 0; i < numbers.size().cells(); ++i) stored.data()[i] = map_.value_of(numbers.data()[i], has_low ? low.data()[i] : 0);
+  for (std::int64_t i = 0; i < numbers.size().cells(); ++i) stored.data()[i] = map_.value_of(numbers.data()[i], has_beside ? beside.data()[i] : 0);
   return stored;
 }
 
@@ -148,16 +145,15 @@ void ElevationTree::set_flat_water(int level, const Window& window, Raster<doubl
 }
 
 // From the coarsest level on: a part of a level (x, y being where it begins) has those of the coarser one on its lattice.
-Raster<std::uint64_t> ElevationTree::decode_low_bits(int level, const Window& window) const {
+Raster<std::uint64_t> ElevationTree::decode_beside(int level, const Window& window) const {
   const NodeGrid& grid = header().grid;
   const std::vector<Window> windows = block_windows(grid, level, window);
-  const auto low_of = [&](const std::vector<std::byte>& stream, std::size_t count) {
-    return unpack_low_bits(split_parts(stream, file_.name()).rest, count, map_.low_bits, file_.name());
+  const auto unpack = [&](const std::vector<std::byte>& stream, RasterView<std::uint64_t> cells, StreamCells which) {
+    unpack_beside(map_, split_parts(stream, file_.name()).rest, cells, which, file_.name());
   };
   const Size root = grid.level_size(grid.levels());
-  const std::vector<std::uint64_t> roots = low_of(root_parts(file_).rest, static_cast<std::size_t>(root.cells()));
   Raster<std::uint64_t> coarse(root.width, root.height);
-  std::copy(roots.begin(), roots.end(), coarse.data());
+  unpack(root_parts(file_).rest, coarse.view(), StreamCells::all);
   Window before{0, 0, root.width, root.height};
   for (int l = grid.levels(); l > level; --l) {
     const Window& at = windows[static_cast<std::size_t>(l - 1 - level)];
@@ -165,14 +161,11 @@ Raster<std::uint64_t> ElevationTree::decode_low_bits(int level, const Window& wi
     const Window nodes = nodes_over(grid, at);
     parallel_for(nodes.width * nodes.height, threads_, [&](std::int64_t i) {
       const NodeAddress node{l, nodes.x + i % nodes.width, nodes.y + i / nodes.width};
-      const Window block = grid.cells(node);
-      const Window& b = block;
-      const std::int64_t coded = b.width * b.height - ((b.width + 1) / 2) * ((b.height + 1) / 2);
-      const std::vector<std::uint64_t> numbers = low_of(cells_of(file_, grid.index(node)), static_cast<std::size_t>(coded));
-      std::size_t next = 0;
-      for (std::int64_t y = 0; y < b.height; ++y)
-        for (std::int64_t x = 0; x < b.width; ++x)
-          fine(b.x + x - at.x, b.y + y - at.y) = on_lattice(x, y) ? coarse((b.x + x) / 2 - before.x, (b.y + y) / 2 - before.y) : numbers[next++];
+      const Window b = grid.cells(node);
+      const RasterView<std::uint64_t> block = fine.view().sub({b.x - at.x, b.y - at.y, b.width, b.height});
+      for (std::int64_t y = 0; y < b.height; y += 2)
+        for (std::int64_t x = 0; x < b.width; x += 2) block(x, y) = coarse((b.x + x) / 2 - before.x, (b.y + y) / 2 - before.y);
+      unpack(cells_of(file_, grid.index(node)), block, StreamCells::off_lattice);
     });
     coarse = std::move(fine);
     before = at;

@@ -48,7 +48,7 @@ class ElevationTree final : public RasterSource {
   void write_metres(const Raster<T>& stored, RasterView<float> out) const;
   Raster<double> decode_numbers(int level, const Window& window) const;
   void set_flat_water(int level, const Window& window, Raster<double>& cells) const;
-  Raster<std::uint64_t> decode_low_bits(int level, const Window& window) const;
+  Raster<std::uint64_t> decode_beside(int level, const Window& window) const;
   Raster<std::uint8_t> decode_mask(int level, const Window& window) const;
 
   TreeFile file_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -80,9 +81,70 @@ TEST(ValueMap, OtherDoublesGoByTheirBitsInTwoParts) {
     ASSERT_TRUE(map);
     EXPECT_EQ(map->kind, ValueMap::Kind::double_bits);
     EXPECT_LE(map->low_bits, ValueMap::greatest_low_bits);
-    for (double value : values) EXPECT_EQ(std::bit_cast<std::uint64_t>(map->value_of(map->number_of(value), map->low_of(value))), std::bit_cast<std::uint64_t>(value)) << value;
+    for (double value : values) EXPECT_EQ(std::bit_cast<std::uint64_t>(map->value_of(map->number_of(value), map->beside_of(value))), std::bit_cast<std::uint64_t>(value)) << value;
   }
-  EXPECT_EQ(map_lossless(ValueType::float64, {1e-310, 2e-310, M_PI})->low_of(none), 0U);
+  EXPECT_EQ(map_lossless(ValueType::float64, {1e-310, 2e-310, M_PI})->beside_of(none), 0U);
+}
+
+// Whole centimetres, but for every 30th number.
+std::vector<double> nearly_centimetres(ValueType type) {
+  std::vector<double> values;
+  for (std::uint64_t i = 0; i < 6000; ++i) {
+    const double z = -20 + 300 * uniform_at(4, i), whole = std::round(z * 100) / 100;
+    values.push_back(hold_to(type, i % 30 == 5 ? z : whole));
+  }
+  return values;
+}
+
+TEST(ValueMap, FindsTheQuantumOfMostFloatsAndKeepsTheOthersBeside) {
+  for (const ValueType type : {ValueType::float32, ValueType::float64}) {
+    std::vector<double> values = nearly_centimetres(type);
+    for (double other : {-0.0, 0.0, 1e-30, -1e-30, 0.005, -0.005}) values.push_back(hold_to(type, other));
+    values.push_back(type == ValueType::float32 ? std::numeric_limits<float>::denorm_min() : std::numeric_limits<double>::denorm_min());
+    const std::optional<ValueMap> map = survey(type, values).nearly_quantised();
+    ASSERT_TRUE(map);
+    EXPECT_EQ(map->kind, ValueMap::Kind::near_steps);
+    EXPECT_EQ(map->denominator, 100);
+    for (double value : values)
+      EXPECT_EQ(std::bit_cast<std::uint64_t>(map->value_of(map->number_of(value), map->beside_of(value))), std::bit_cast<std::uint64_t>(value)) << value;
+    const auto exact = std::count_if(values.begin(), values.end(), [&](double value) { return map->beside_of(value) == 0; });
+    EXPECT_GT(static_cast<double>(exact), 0.96 * static_cast<double>(values.size()));
+    EXPECT_EQ(map->beside_of(none), 0U);
+  }
+}
+
+TEST(ValueMap, NothingIsNearAQuantumWhereOneFitsAllOrNone) {
+  std::vector<double> whole, noise;
+  for (std::uint64_t i = 0; i < 2000; ++i) {
+    noise.push_back(static_cast<float>(uniform_at(1, i)));
+    whole.push_back(static_cast<float>(std::round(noise.back() * 1000) / 100));
+  }
+  EXPECT_FALSE(survey(ValueType::float32, whole).nearly_quantised());
+  EXPECT_FALSE(survey(ValueType::float32, noise).nearly_quantised());
+  EXPECT_FALSE(survey(ValueType::int16, {1, 2, 3}).nearly_quantised());
+  EXPECT_FALSE(survey(ValueType::float32, {none, none}).nearly_quantised());
+}
+
+// Half centimetres are means of two: all lie equally far above the lower one, but for the rounding of both.
+TEST(ValueMap, HalvesGoToTheLowerStep) {
+  const ValueMap map{ValueMap::Kind::near_steps, ValueType::float32, 130000, 1, 100};
+  for (int n = 131000; n < 133000; ++n) {
+    const double half = static_cast<float>((n + 0.5) / 100);
+    EXPECT_EQ(map.number_of(half), n - 130000);
+    EXPECT_NEAR(static_cast<double>(map.beside_of(half)), 0.005 / 0x1p-13, 1);  // floats of 1024 to 2048 are 2^-13 apart
+  }
+}
+
+TEST(ValueMap, FloatsAboveStepsAreFiniteWhateverIsBeside) {
+  for (const ValueType type : {ValueType::float32, ValueType::float64})
+    for (const double numerator : {1.0, 1e300}) {
+      const ValueMap map{ValueMap::Kind::near_steps, type, -17, numerator, 1e-5};
+      for (std::uint64_t i = 0; i < 1000; ++i) {
+        const double value = map.value_of(static_cast<std::int32_t>(hash_position(5, i)), hash_position(6, i) >> (i % 64));
+        EXPECT_TRUE(std::isfinite(value));
+        EXPECT_EQ(hold_to(type, value), value);
+      }
+    }
 }
 
 // Every n that the coder may turn a number into, after rounding to the type.
@@ -115,6 +177,7 @@ TEST(ValueMap, BoundsOfIntegersAreWholeSteps) {
 TEST(ValueMap, ComesBackFromBytes) {
   for (const ValueMap& map : {ValueMap{ValueMap::Kind::steps, ValueType::float32, -12345, 381, 1250}, ValueMap{ValueMap::Kind::float_bits, ValueType::float64, 1LL << 40},
                               ValueMap{ValueMap::Kind::double_bits, ValueType::float64, -(1LL << 30), 1, 1, 33},
+                              ValueMap{ValueMap::Kind::near_steps, ValueType::float32, 130000, 1, 100},
                               // Found by tests/fuzz/round_trip_fuzz.cpp: doubles in a narrow range have a base of up to 64 bits.
                               ValueMap{ValueMap::Kind::double_bits, ValueType::float64, std::numeric_limits<std::int64_t>::max()},
                               ValueMap{ValueMap::Kind::double_bits, ValueType::float64, std::numeric_limits<std::int64_t>::min()}}) {
@@ -131,6 +194,10 @@ TEST(ValueMap, ComesBackFromBytes) {
   const std::vector<std::byte> lie{std::byte{3}, std::byte{0}};
   ByteReader in(lie, "x");
   EXPECT_THROW(get_value_map(in, ValueType::int16), Error);
+  ByteWriter floats;
+  put_value_map({ValueMap::Kind::near_steps, ValueType::float32, 5, 1, 100}, floats);
+  ByteReader of_integers(floats.bytes(), "x");
+  EXPECT_THROW(get_value_map(of_integers, ValueType::int16), Error);
 }
 
 }  // namespace
