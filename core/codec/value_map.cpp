@@ -23,7 +23,8 @@ constexpr std::int32_t greatest_step = (1 << 24) - 1;
 // of these lie equally far above their steps.
 constexpr double half_way = 1.0 / 64;
 
-// Of how many numbers one is looked at for quanta that give most of them back: prime, so that no column of a raster is missed.
+// Of how many numbers one is looked at for quanta that give most of them back: prime to the widths of most parts, so that no column of
+// these is missed.
 constexpr std::size_t sample_every = 17;
 
 struct Quantum {

@@ -24,20 +24,31 @@ MARGIN = 8  # of the lattice, in its own cells
 # 1, 2: values and parameters
 
 class Map:
-    def __init__(self, parameters):
+    def __init__(self, parameters, type):
         self.kind, b = parameters.number('B'), parameters.varint()
         self.base = -(b - 1) // 2 - 1 if b % 2 else b // 2
         self.low = parameters.number('B') if self.kind == 3 else 0
-        self.quantum = [parameters.number('d') for _ in range(2)] if self.kind == 1 else None
+        self.quantum = [parameters.number('d') for _ in range(2)] if self.kind in (1, 4) else None
+        self.type, self.beside = type, self.low > 0 or self.kind == 4
     def values(self, n, c):
         if self.kind == 3:
             bits = [((self.base + int(one) << self.low) + low) % 2**64 for one, low in zip(n.flat, c.flat)]
             return np.array([k if k < 2**63 else 3 * 2**63 - k - 1 for k in bits], np.uint64).view(float).reshape(n.shape)
         k = n + self.base
-        if self.kind == 1:
-            return k.astype(float) * self.quantum[0] / self.quantum[1]
+        if self.kind in (1, 4):
+            values = k.astype(float) * self.quantum[0] / self.quantum[1]
+            return values if self.kind == 1 else self.moved(values, c)
         k = np.clip(k, -2**31, 2**31 - 1)
         return np.where(k >= 0, k, 2**31 - k - 1).astype(np.uint32).view(np.float32).astype(float)
+
+    def moved(self, values, c):
+        """The floats that lie c above some, held to the finite ones."""
+        width, real, whole = (32, np.float32, np.uint32) if self.type == 6 else (64, np.float64, np.uint64)
+        other = lambda bits: bits if bits < 2**(width - 1) else 2**(width - 1) - 1 - bits  # k of a float's bits
+        place = lambda value: other(int(np.array(value, real).view(whole)))
+        highest = np.finfo(real).max
+        ks = [clip((place(value) + int(one) + 2**63) % 2**64 - 2**63, place(-highest), place(highest)) for value, one in zip(values.flat, c.flat)]
+        return np.array([k if k >= 0 else 2**(width - 1) - 1 - k for k in ks], whole).view(real).astype(float).reshape(values.shape)
 
 def raw(decoder, count):
     n = 0
@@ -204,32 +215,43 @@ def first_states():
 
 STATES = first_states()
 
-def split(stream, low):
-    """The stream of the numbers and the lower bits of doubles, as a stream."""
+def split(stream, beside):
+    """The stream of the numbers and the second part."""
     parts = Bytes(stream)
-    return (parts.blob(), parts.rest()) if low and stream else (stream, b'')
+    return (parts.blob(), parts.rest()) if beside and stream else (stream, b'')
 
-def fill_lower(stream, low, cells, places):
-    """Puts lower bits in the places of an array."""
-    if stream:
+def fill_beside(stream, values_of, cells, root):
+    """Sets the cells of an array that the second part of a stream has; the lattice of a node is there already."""
+    places = [(y, x) for y, x in np.ndindex(cells.shape) if root or y % 2 or x % 2]
+    if stream and values_of.kind == 3:
         bits = np.unpackbits(np.frombuffer(zlib.decompress(stream), np.uint8), bitorder='little').tolist()
         for i, place in enumerate(places):
-            cells[place] = sum(bit << k for k, bit in enumerate(bits[i * low:(i + 1) * low]))
+            cells[place] = sum(bit << k for k, bit in enumerate(bits[i * values_of.low:(i + 1) * values_of.low]))
+    if stream and values_of.kind == 4:
+        decoder, exact, sign, length, digits = Decoder(stream, 255), make(new_model, 4, 5, 5), new_model(), make(new_model, 64), make(new_model, 65, 32)
+        density = lambda near: [0, 1, 2, 3, 3, 4][min(5, np.count_nonzero(near))]
+        for y, x in places:
+            row, column = cells[y, max(0, x - 6):x + 7], cells[max(0, y - 6):y + 7, x]
+            if not decoder.coded(exact[2 * (y % 2) + x % 2][density(row)][density(column)]):
+                negative, n, m = decoder.coded(sign), 1 + decoder.unary(length[1:]), 1
+                for _ in range(n - 1):
+                    m = 2 * m + (decoder.coded(digits[n][m]) if m < 32 else decoder.bit())
+                cells[y, x] = -m if negative else m
 
 def decode(tree):
     """The stored values of each level, from 0 on."""
     parameters = Bytes(tree.parameters)
-    values_of, p = Map(parameters), Parameters(parameters.rest(), tree.levels)
+    values_of, p = Map(parameters, tree.type), Parameters(parameters.rest(), tree.levels)
     voids = lambda level: decode_sct.decode_voids(tree, level) if tree.voids else np.zeros(tree.sizes[level], np.uint8)
     void, levels = voids(tree.levels), []
-    numbers, bits = split(tree.parts(tree.root)[2], values_of.low)
-    cells, lower = np.array(decode_root(numbers, tree, p, void.tolist()), np.int64), np.zeros(tree.sizes[-1], np.int64)
-    fill_lower(bits, values_of.low, lower, np.ndindex(lower.shape))
+    numbers, bits = split(tree.parts(tree.root)[2], values_of.beside)
+    cells, beside = np.array(decode_root(numbers, tree, p, void.tolist()), np.int64), np.zeros(tree.sizes[-1], np.int64)
+    fill_beside(bits, values_of, beside, True)
     for level in range(tree.levels, 0, -1):
-        levels.insert(0, values_of.values(cells, lower))
-        fine_lower = np.zeros(tree.sizes[level - 1], np.int64)
-        fine_lower[::2, ::2] = lower
-        low_blocks = tree.squares(fine_lower, level, tree.side)
+        levels.insert(0, values_of.values(cells, beside))
+        fine_beside = np.zeros(tree.sizes[level - 1], np.int64)
+        fine_beside[::2, ::2] = beside
+        beside_blocks = tree.squares(fine_beside, level, tree.side)
         fine, fine_void = np.zeros(tree.sizes[level - 1], np.int64), voids(level - 1)
         high, wide = tree.sizes[level]
         blocks, masks = tree.squares(fine, level, tree.side), tree.squares(fine_void, level, tree.side)
@@ -241,11 +263,11 @@ def decode(tree):
             lattice, lattice_void = np.zeros((H, W), np.int64), np.zeros((H, W), np.int64)
             lattice[place], lattice_void[place] = cells[y0:y1, x0:x1], void[y0:y1, x0:x1]
             filled = fill_lattice(lattice.tolist(), lattice_void.tolist(), (y0 - top, y1 - top, x0 - left, x1 - left), p)
-            numbers, bits = split(tree.parts(tree.streams[node])[2], values_of.low)
-            fill_lower(bits, values_of.low, low_blocks[node], [(y, x) for y, x in np.ndindex(block.shape) if y % 2 or x % 2])
+            numbers, bits = split(tree.parts(tree.streams[node])[2], values_of.beside)
+            fill_beside(bits, values_of, beside_blocks[node], False)
             decoded = Node(filled, block.shape, masks[node].tolist(), p.steps[level], p, numbers)
             for phase, kept in p.phases[level].items():
                 decoded.decode_phase(phase, *kept)
             block[:] = [[decoded.v[x, y] for x in range(block.shape[1])] for y in range(block.shape[0])]
-        cells, void, lower = fine, fine_void, fine_lower
-    return [values_of.values(cells, lower)] + levels
+        cells, void, beside = fine, fine_void, fine_beside
+    return [values_of.values(cells, beside)] + levels

@@ -153,6 +153,13 @@ void add_predicted(const Folder& folder) {
   folder.add("lossless_floats.sct", mountains(17, 12, metres_as_they_are), header_of(ValueType::float32), target_of(TreeClaim::lossless, 0, 32));
   const auto pi = [](double metres, std::int64_t x, std::int64_t y) { return x + y < 9 ? nothing : metres * 3.14159265358979; };
   folder.add("lossless_doubles.sct", mountains(19, 11, pi), header_of(ValueType::float64), target_of(TreeClaim::lossless, 0, 32));
+  const auto nearly = [](double metres, std::int64_t x, std::int64_t y) {
+    if (x + y < 7) return nothing;
+    return (x * 7 + y * 5) % 31 == 0 || y == 14 ? metres : std::round(metres * 100) / 100;
+  };
+  const auto nearly_floats = [nearly](double metres, std::int64_t x, std::int64_t y) { return static_cast<double>(static_cast<float>(nearly(metres, x, y))); };
+  folder.add("lossless_near.sct", mountains(41, 35, nearly_floats), header_of(ValueType::float32), target_of(TreeClaim::lossless, 0, 32));
+  folder.add("lossless_near_doubles.sct", mountains(23, 19, nearly), header_of(ValueType::float64), target_of(TreeClaim::lossless, 0, 32));
   folder.add("lossless_root.sct", mountains(6, 8, whole_metres), header_of(ValueType::int32), target_of(TreeClaim::lossless, 0, 32));
   folder.add("bounded.sct", mountains(90, 75, metres_as_they_are), header_of(ValueType::float32), target_of(TreeClaim::max_error, 3, 64));
   folder.add("bounded_voids.sct", mountains(70, 39, with_holes), header_of(ValueType::int32), target_of(TreeClaim::max_error, 4, 32));
