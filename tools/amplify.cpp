@@ -181,7 +181,7 @@ void add_amplify(CLI::App& app, std::shared_ptr<CommonOptions> common) {
       ->check(CLI::IsMember({"consistent", "paper"}));
   verb->add_option("--detail", a->detail, "0: least error; 1: as much detail as real ground has (default: 1)")->check(CLI::Range(0.0, 1.0));
   verb->add_option("--radius", a->radius_m, "Radius of the landforms in metres (default: 3 cells of the input): larger keeps more of the exemplar")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   verb->add_option("--sparsity", a->sparsity, "Atoms per patch (default: 1)")->check(CLI::Range(1, 32));
   verb->add_flag("--uncertainty", a->uncertainty, "Add a band with the standard error expected of each cell, in metres");
   verb->add_flag("--sources", a->sources, "Add bands with the exemplar (from 1) and the atom that each cell's detail comes from");

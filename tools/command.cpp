@@ -137,6 +137,15 @@ CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& de
   return verb;
 }
 
+CLI::Validator above_zero() {
+  const auto check = [](std::string& text) {
+    double value = 0;
+    const bool is_number = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+    return is_number && value > 0 ? std::string() : "a number above 0 is expected, found '" + text + "'";
+  };
+  return {check, "POSITIVE"};
+}
+
 std::unique_ptr<Progress> make_progress(const CommonOptions& common) {
   return std::make_unique<TerminalProgress>(!common.quiet && isatty(STDERR_FILENO) != 0);
 }

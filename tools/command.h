@@ -29,6 +29,9 @@ struct CommonOptions {
 CLI::App* add_verb(CLI::App& app, const std::string& name, const std::string& description, const std::string& example,
                    std::shared_ptr<CommonOptions> common, std::function<void()> run);
 
+/// A check of options: a finite number above 0.
+CLI::Validator above_zero();
+
 /// A bar with an estimate on stderr, where stderr is a terminal and --quiet is not given; otherwise silent.
 /// While it lives SIGINT and SIGTERM are caught, and advance() throws Error{interrupted}; a second signal ends at once.
 std::unique_ptr<Progress> make_progress(const CommonOptions& common);

@@ -130,11 +130,11 @@ void add_compress(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_option("OUTPUT", arguments->output, "The tree (.sct)")->required();
   CLI::Option_group* target = verb->add_option_group("target", "What the tree must reach; one of them (default: --lossless)");
   target->add_flag("--lossless", arguments->lossless, "Every stored number comes back");
-  target->add_option("--max-error", arguments->max_error, "No cell is further off than this, in metres")->check(CLI::PositiveNumber);
-  target->add_option("--rmse", arguments->rmse, "Root mean square error of at most this, in metres")->check(CLI::PositiveNumber);
+  target->add_option("--max-error", arguments->max_error, "No cell is further off than this, in metres")->check(above_zero());
+  target->add_option("--rmse", arguments->rmse, "Root mean square error of at most this, in metres")->check(above_zero());
   target->add_option("--psnr", arguments->psnr, "At least this many dB, the peak being highest minus lowest elevation")->check(CLI::Range(1.0, 200.0));
-  target->add_option("--bytes", arguments->bytes, "A file of at most this many bytes")->check(CLI::PositiveNumber);
-  target->add_option("--bpp", arguments->bits_per_sample, "The same in bits per cell")->check(CLI::PositiveNumber);
+  target->add_option("--bytes", arguments->bytes, "A file of at most this many bytes")->check(above_zero());
+  target->add_option("--bpp", arguments->bits_per_sample, "The same in bits per cell")->check(above_zero());
   target->require_option(0, 1);
   verb->add_option("--flat", arguments->flat, "Dead-flat water (sea, lakes) of lossy trees: exact to the last bit, none (as other cells), or auto: exact where that pays")
       ->check(CLI::IsMember({"auto", "exact", "none"}))

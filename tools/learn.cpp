@@ -74,7 +74,7 @@ void add_learn(CLI::App& app, std::shared_ptr<CommonOptions> common) {
       ->check(CLI::IsMember({"all", "ksvd", "constrained"}));
   verb->add_option("--atoms", a->settings.atoms, "Atoms (default: 1024; with --method all: every patch)")->check(CLI::Range(1, 1 << 22));
   verb->add_option("--sparsity", a->settings.sparsity, "Atoms per patch while learning (default: 1)")->check(CLI::Range(1, 32));
-  verb->add_option("--radius", a->radius_m, "Radius of the patches in metres (default: 3 coarse cells)")->check(CLI::PositiveNumber);
+  verb->add_option("--radius", a->radius_m, "Radius of the patches in metres (default: 3 coarse cells)")->check(above_zero());
   verb->add_option("--factor", a->settings.factor, "How many times finer the exemplar is than what will be amplified (default: 4)")
       ->check(CLI::Range(2, 64));
   verb->add_flag("--symmetries", a->settings.symmetries, "Learn also from the 7 other rotations and mirrors of each patch");

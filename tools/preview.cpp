@@ -80,7 +80,7 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
       ->check(CLI::Range(16, 20000));
   verb->add_option("--exaggeration", arguments->exaggeration,
                    "Heights for the light are multiplied by this (default: by the steepness of the terrain)")
-      ->check(CLI::PositiveNumber);
+      ->check(above_zero());
   verb->add_option("--azimuth", arguments->azimuth, "Light: 'multi' for four about the north-west (default), or one from so many degrees");
   verb->add_flag("--no-legend", arguments->no_legend, "The map alone");
   verb->add_option("--band", arguments->band, "Band, counted from 1 (default: 1)")->check(CLI::PositiveNumber);

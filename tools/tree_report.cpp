@@ -121,6 +121,8 @@ FileReport describe_tree(const InfoOptions& options, const CommonOptions&) {
                           readable_bytes(static_cast<std::int64_t>(file.bytes())), 8 * static_cast<double>(file.bytes()) / static_cast<double>(size.cells()));
   said.text += fmt::format("coder: {}, levels 0 to {}, {} nodes of {} x {} cells{}\n", name_of_coder(header.coder), grid.levels(), file.nodes().size(),
                            grid.side(), grid.side(), header.voids ? ", with voids" : "");
+  const bool flat = header.coder == TreeCoder::wavelet && decode_wavelet_parameters(header.parameters, grid, options.file).flat;
+  if (flat) said.text += "flat water is exact\n";
   said.text += "claim: " + describe_claim(header) + "\n";
   if (header.geo.transform) {
     const auto& t = *header.geo.transform;
@@ -128,6 +130,7 @@ FileReport describe_tree(const InfoOptions& options, const CommonOptions&) {
   }
   said.text += "CRS: " + (header.geo.crs_wkt.empty() ? "unknown" : summarise_crs(expand_crs(header.geo.crs_wkt)).name) + "\n";
   said.data = {{"kind", "tree"},
+               {"flat_water_exact", flat},
                {"file", options.file},
                {"bytes", file.bytes()},
                {"width", size.width},

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
 
 #include <nlohmann/json.hpp>
 
@@ -45,6 +47,33 @@ TEST_F(CompressVerb, ComesBackAsTheSameDem) {
     if (!is_void(a.data()[i])) squares += std::pow(a.data()[i] - b.data()[i], 2);
   }
   EXPECT_LE(std::sqrt(squares / (120 * 90 - 1)), 0.5);
+}
+
+TEST_F(CompressVerb, RefusesTargetsThatAreNoneInOneLine) {
+  const std::string dem = write_mountains("dem.tif", {40, 30});
+  for (const std::string target : {"--max-error -1", "--max-error 0", "--rmse nan", "--bpp inf", "--bytes x"}) {
+    const Outcome refused = run("compress " + dem + " " + path("dem.sct") + " " + target);
+    EXPECT_EQ(refused.code, 2) << target;
+    EXPECT_EQ(std::count(refused.err.begin(), refused.err.end(), '\n'), 1) << refused.err;
+    EXPECT_LT(refused.err.size(), 150U) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(path("dem.sct")));
+  }
+}
+
+TEST_F(CompressVerb, SaysWhereFlatWaterIsExact) {
+  const std::string dem = write_mountains("dem.tif", {120, 90});
+  Raster<float> cells = read_all(DemReader(dem));
+  for (std::int64_t y = 50; y < 90; ++y)
+    for (std::int64_t x = 0; x < 60; ++x) cells(x, y) = 300;
+  DemWriter writer(path("lake.tif"), cells.size(), DemReader(dem).georeference(), {.type = ValueType::int16});
+  writer.write(0, {0, 0, 120, 90}, cells.view());
+  writer.commit(nullptr);
+  ASSERT_EQ(run("compress " + path("lake.tif") + " " + path("lake.sct") + " --rmse 5 --flat exact").code, 0);
+  EXPECT_NE(run("info " + path("lake.sct")).out.find("flat water is exact"), std::string::npos);
+  ASSERT_EQ(run("decompress " + path("lake.sct") + " " + path("back.tif")).code, 0);
+  const Raster<float> back = read_all(DemReader(path("back.tif")));
+  for (std::int64_t y = 50; y < 90; ++y)
+    for (std::int64_t x = 0; x < 60; ++x) ASSERT_EQ(back(x, y), 300);
 }
 
 TEST_F(CompressVerb, WindowsAndLevels) {
