@@ -4,23 +4,12 @@
 #include <memory>
 #include <utility>
 
+#include "core/codec/predict_part.h"
 #include "core/codec/predict_root.h"
 #include "core/support/parallel.h"
 
 namespace arete {
 namespace {
-
-// A level, or a part of it from (x, y) on.
-struct Cells {
-  Raster<std::int32_t> values;
-  Raster<std::uint8_t> voids;  // empty where there are none
-  std::int64_t x = 0;
-  std::int64_t y = 0;
-
-  RasterView<const std::uint8_t> mask() const { return voids.size().cells() > 0 ? voids.view() : RasterView<const std::uint8_t>{}; }
-  RasterView<const std::uint8_t> mask(const Window& w) const { return voids.size().cells() > 0 ? voids.view().sub(w) : mask(); }
-  LevelView view(const Size& level) const { return {values.view(), mask(), x, y, level}; }
-};
 
 // All cells of a level that nodes over `window` of the level below look at.
 Window needed_above(const NodeGrid& grid, int level, const Window& window) {
@@ -47,7 +36,7 @@ Raster<std::int32_t> decode_predictive(const NodeGrid& grid, const PredictParame
 
   const std::int64_t side = grid.side();
   const Size top = grid.level_size(grid.levels());
-  Cells part;
+  LevelPart part;
   part.values = Raster<std::int32_t>(top.width, top.height);
   if (voids) part.voids = voids(grid.levels(), {0, 0, top.width, top.height});
   decode_root(parameters, root, part.mask(), part.values.view());
@@ -57,7 +46,7 @@ Raster<std::int32_t> decode_predictive(const NodeGrid& grid, const PredictParame
     const std::int64_t x0 = w.x / side, y0 = w.y / side;
     const std::int64_t wide = (w.x + w.width + side - 1) / side - x0, high = (w.y + w.height + side - 1) / side - y0;
     const Window last = grid.cells({l, x0 + wide - 1, y0 + high - 1});
-    Cells finer;
+    LevelPart finer;
     finer.x = x0 * side;
     finer.y = y0 * side;
     const Window covered{finer.x, finer.y, last.x + last.width - finer.x, last.y + last.height - finer.y};

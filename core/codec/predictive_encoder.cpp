@@ -4,6 +4,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/codec/predict_part.h"
 #include "core/codec/predict_root.h"
 #include "core/codec/predict_training.h"
 #include "core/support/parallel.h"
@@ -14,18 +15,6 @@ namespace {
 
 constexpr std::int64_t batch = 128;  // nodes or tiles that are worked on before results are gathered
 constexpr std::int64_t tile = 512;   // cells along a side, of the blocks that levels are made of
-
-// A part of a level, from (x, y) on.
-struct Cells {
-  Raster<std::int32_t> values;
-  Raster<std::uint8_t> voids;  // empty where there are none
-  std::int64_t x = 0;
-  std::int64_t y = 0;
-
-  RasterView<const std::uint8_t> mask() const { return voids.size().cells() > 0 ? voids.view() : RasterView<const std::uint8_t>{}; }
-  BlockView block() const { return {values.view(), mask()}; }
-  LevelView view(const Size& level) const { return {values.view(), mask(), x, y, level}; }
-};
 
 // The levels of a raster: level 0 is the source, each coarser one is at first what the source has there, and what the decoder will
 // have once the level is coded.
@@ -38,8 +27,8 @@ class Levels {
     }
   }
 
-  Cells read(int level, const Window& window) const {
-    Cells cells{Raster<std::int32_t>(window.width, window.height), {}, window.x, window.y};
+  LevelPart read(int level, const Window& window) const {
+    LevelPart cells{Raster<std::int32_t>(window.width, window.height), {}, window.x, window.y};
     if (source_.any_void()) cells.voids = Raster<std::uint8_t>(window.width, window.height);
     if (level == 0) {
       source_.read(window, cells.values.view(), source_.any_void() ? cells.voids.view() : RasterView<std::uint8_t>{});
@@ -53,7 +42,7 @@ class Levels {
   void write(int level, const Window& window, const Raster<std::int32_t>& values) {
     if (level > 0) values_[index(level)].write(window, values.view());
   }
-  void write(int level, const Window& window, const Cells& cells) {
+  void write(int level, const Window& window, const LevelPart& cells) {
     write(level, window, cells.values);
     if (source_.any_void()) voids_[index(level)].write(window, cells.voids.view());
   }
@@ -76,15 +65,15 @@ struct Range {
 };
 
 // Of the cells that are not void.
-Range range_of(const Cells& cells) {
+Range range_of(const LevelPart& cells) {
   Range range;
   for (std::int64_t i = 0; i < cells.values.size().cells(); ++i)
     if (cells.voids.size().cells() == 0 || cells.voids.data()[i] == 0) range.add({cells.values.data()[i], cells.values.data()[i]});
   return range;
 }
 
-Cells every_second(const Cells& fine, const Size& size) {
-  Cells coarse{Raster<std::int32_t>(size.width, size.height), {}, fine.x / 2, fine.y / 2};
+LevelPart every_second(const LevelPart& fine, const Size& size) {
+  LevelPart coarse{Raster<std::int32_t>(size.width, size.height), {}, fine.x / 2, fine.y / 2};
   const bool voids = fine.voids.size().cells() > 0;
   if (voids) coarse.voids = Raster<std::uint8_t>(size.width, size.height);
   for (std::int64_t y = 0; y < size.height; ++y)
@@ -105,7 +94,7 @@ Range make_level(Levels& levels, const NodeGrid& grid, int level, int threads) {
     parallel_for(static_cast<std::int64_t>(ranges.size()), threads, [&](std::int64_t i) {
       const std::int64_t x = (first + i) % wide * tile, y = (first + i) / wide * tile;
       const Window at{x, y, std::min(tile, fine.width - x), std::min(tile, fine.height - y)};
-      const Cells cells = levels.read(level - 1, at);
+      const LevelPart cells = levels.read(level - 1, at);
       ranges[static_cast<std::size_t>(i)] = range_of(cells);
       const Window coarse{x / 2, y / 2, (at.width + 1) / 2, (at.height + 1) / 2};
       levels.write(level, coarse, every_second(cells, coarse.size()));
@@ -142,8 +131,8 @@ Window coarse_window(const Window& cells, const Size& level) {
 // What a node is coded from.
 struct NodeCells {
   Window at;     // of level l - 1
-  Cells coarse;  // of level l, as decoded
-  Cells truth;
+  LevelPart coarse;  // of level l, as decoded
+  LevelPart truth;
 };
 
 NodeCells read_node_cells(const Levels& levels, const NodeGrid& grid, const NodeAddress& node) {
@@ -187,7 +176,7 @@ PredictiveSummary encode_predictive(const NumberSource& source, const NodeGrid& 
   Levels levels(source, grid, how.scratch);
   Range range;
   for (int l = 1; l <= top; ++l) range.add(make_level(levels, grid, l, how.threads));
-  const Cells coarsest = levels.read(top, all);
+  const LevelPart coarsest = levels.read(top, all);
   range.add(range_of(coarsest));
 
   PredictiveSummary summary;
