@@ -56,20 +56,37 @@ std::vector<Window> block_windows(const NodeGrid& grid, int level, const Window&
   return windows;
 }
 
-// The nodes whose blocks a window consists of.
-Window nodes_over(const NodeGrid& grid, const Window& at) {
-  const std::int64_t side = grid.side(), x = at.x / side, y = at.y / side;
-  return {x, y, (at.x + at.width + side - 1) / side - x, (at.y + at.height + side - 1) / side - y};
+// Goes down from all of the coarsest level to a window of `level`, by parts of levels: cells from column x, row y on, as VoidMask is one.
+// refine(node, coarse, fine) fills the cells of the node's block that lie in `fine`; `coarse` has what the block needs of the node's level.
+template <class Part, class Refine>
+Part refine_levels(const NodeGrid& grid, Part coarse, int level, const Window& window, int threads, const Refine& refine) {
+  const std::vector<Window> windows = block_windows(grid, level, window);
+  for (int l = grid.levels(); l > level; --l) {
+    const Window& at = l == level + 1 ? window : windows[static_cast<std::size_t>(l - 1 - level)];
+    Part fine{{at.width, at.height}, at.x, at.y};
+    const std::int64_t side = grid.side(), x0 = at.x / side, y0 = at.y / side;
+    const std::int64_t wide = (at.x + at.width + side - 1) / side - x0, high = (at.y + at.height + side - 1) / side - y0;
+    parallel_for(wide * high, threads, [&](std::int64_t i) { refine(NodeAddress{l, x0 + i % wide, y0 + i / wide}, coarse, fine); });
+    coarse = std::move(fine);
+  }
+  return coarse;
 }
 
-// The part of cells, which begin at `at`, that a window asks for.
+// The part of a part that a window asks for: all of it but where the window is of the coarsest level.
 template <class T>
-Raster<T> crop_to(const Raster<T>& cells, const Window& at, const Window& window) {
+Raster<T> crop_to(const Raster<T>& cells, std::int64_t x, std::int64_t y, const Window& window) {
   Raster<T> part(window.width, window.height);
-  for (std::int64_t y = 0; y < window.height; ++y)
-    std::copy_n(cells.view().row(window.y + y - at.y) + (window.x - at.x), window.width, part.view().row(y));
+  for (std::int64_t row = 0; row < window.height; ++row)
+    std::copy_n(cells.view().row(window.y + row - y) + (window.x - x), window.width, part.view().row(row));
   return part;
 }
+
+// What a map keeps beside numbers.
+struct BesidePart {
+  Raster<std::uint64_t> cells;
+  std::int64_t x = 0;
+  std::int64_t y = 0;
+};
 
 }  // namespace
 
@@ -128,66 +145,43 @@ Raster<double> ElevationTree::decode(int level, const Window& window) const {
 
 void ElevationTree::set_flat_water(int level, const Window& window, Raster<double>& cells) const {
   const NodeGrid& grid = header().grid;
-  const std::vector<Window> windows = block_windows(grid, level, window);
-  VoidMask mask = decode_root_voids(split_parts(root_parts(file_).rest, file_.name()).first, grid.level_size(grid.levels()), file_.name());
-  for (int l = grid.levels(); l > level; --l) {
-    const bool last = l == level + 1;
-    const Window& at = last ? window : windows[static_cast<std::size_t>(l - 1 - level)];
-    VoidMask fine{Raster<std::uint8_t>(at.width, at.height), at.x, at.y};
-    const Window nodes = nodes_over(grid, at);
-    parallel_for(nodes.width * nodes.height, threads_, [&](std::int64_t i) {
-      const NodeAddress node{l, nodes.x + i % nodes.width, nodes.y + i / nodes.width};
-      decode_flat(grid, node, split_parts(cells_of(file_, grid.index(node)), file_.name()).first, mask, fine, last ? cells.view() : RasterView<double>{},
-                  header().type, file_.name());
-    });
-    mask = std::move(fine);
-  }
+  VoidMask root = decode_root_voids(split_parts(root_parts(file_).rest, file_.name()).first, grid.level_size(grid.levels()), file_.name());
+  refine_levels(grid, std::move(root), level, window, threads_, [&](const NodeAddress& node, const VoidMask& coarse, VoidMask& fine) {
+    const RasterView<double> to = node.level == level + 1 ? cells.view() : RasterView<double>{};
+    decode_flat(grid, node, split_parts(cells_of(file_, grid.index(node)), file_.name()).first, coarse, fine, to, header().type, file_.name());
+  });
 }
 
-// From the coarsest level on: a part of a level (x, y being where it begins) has those of the coarser one on its lattice.
 Raster<std::uint64_t> ElevationTree::decode_beside(int level, const Window& window) const {
   const NodeGrid& grid = header().grid;
-  const std::vector<Window> windows = block_windows(grid, level, window);
   const auto unpack = [&](const std::vector<std::byte>& stream, RasterView<std::uint64_t> cells, StreamCells which) {
     unpack_beside(map_, split_parts(stream, file_.name()).rest, cells, which, file_.name());
   };
-  const Size root = grid.level_size(grid.levels());
-  Raster<std::uint64_t> coarse(root.width, root.height);
-  unpack(root_parts(file_).rest, coarse.view(), StreamCells::all);
-  Window before{0, 0, root.width, root.height};
-  for (int l = grid.levels(); l > level; --l) {
-    const Window& at = windows[static_cast<std::size_t>(l - 1 - level)];
-    Raster<std::uint64_t> fine(at.width, at.height);
-    const Window nodes = nodes_over(grid, at);
-    parallel_for(nodes.width * nodes.height, threads_, [&](std::int64_t i) {
-      const NodeAddress node{l, nodes.x + i % nodes.width, nodes.y + i / nodes.width};
-      const Window b = grid.cells(node);
-      const RasterView<std::uint64_t> block = fine.view().sub({b.x - at.x, b.y - at.y, b.width, b.height});
-      for (std::int64_t y = 0; y < b.height; y += 2)
-        for (std::int64_t x = 0; x < b.width; x += 2) block(x, y) = coarse((b.x + x) / 2 - before.x, (b.y + y) / 2 - before.y);
-      unpack(cells_of(file_, grid.index(node)), block, StreamCells::off_lattice);
-    });
-    coarse = std::move(fine);
-    before = at;
-  }
-  return crop_to(coarse, before, window);
+  const Size size = grid.level_size(grid.levels());
+  BesidePart root{{size.width, size.height}, 0, 0};
+  unpack(root_parts(file_).rest, root.cells.view(), StreamCells::all);
+  const auto refine = [&](const NodeAddress& node, const BesidePart& coarse, BesidePart& fine) {
+    const Window at = grid.cells(node);
+    Raster<std::uint64_t> block(at.width, at.height);
+    for (std::int64_t y = 0; y < at.height; y += 2)
+      for (std::int64_t x = 0; x < at.width; x += 2) block(x, y) = coarse.cells((at.x + x) / 2 - coarse.x, (at.y + y) / 2 - coarse.y);
+    unpack(cells_of(file_, grid.index(node)), block.view(), StreamCells::off_lattice);
+    const std::int64_t x0 = std::max(at.x, fine.x), x1 = std::min(at.x + at.width, fine.x + fine.cells.width());
+    const std::int64_t y0 = std::max(at.y, fine.y), y1 = std::min(at.y + at.height, fine.y + fine.cells.height());
+    for (std::int64_t y = y0; y < y1; ++y) std::copy_n(block.view().row(y - at.y) + (x0 - at.x), x1 - x0, fine.cells.view().row(y - fine.y) + (x0 - fine.x));
+  };
+  const BesidePart part = refine_levels(grid, std::move(root), level, window, threads_, refine);
+  return crop_to(part.cells, part.x, part.y, window);
 }
 
 Raster<std::uint8_t> ElevationTree::decode_mask(int level, const Window& window) const {
   const NodeGrid& grid = header().grid;
-  const std::vector<Window> windows = block_windows(grid, level, window);
-  VoidMask mask = decode_root_voids(root_parts(file_).first, grid.level_size(grid.levels()), file_.name());
-  for (int l = grid.levels(); l > level; --l) {
-    const Window& at = windows[static_cast<std::size_t>(l - 1 - level)];
-    VoidMask fine{Raster<std::uint8_t>(at.width, at.height), at.x, at.y};
-    const Window nodes = nodes_over(grid, at);
-    parallel_for(nodes.width * nodes.height, threads_, [&](std::int64_t i) {
-      const NodeAddress node{l, nodes.x + i % nodes.width, nodes.y + i / nodes.width};
-      decode_voids(grid, node, split_parts(file_.read_node(grid.index(node)), file_.name()).first, mask, fine);
-    });
-    mask = std::move(fine);
-  }
-  return crop_to(mask.cells, {mask.x, mask.y, mask.cells.width(), mask.cells.height()}, window);
+  VoidMask root = decode_root_voids(root_parts(file_).first, grid.level_size(grid.levels()), file_.name());
+  const auto refine = [&](const NodeAddress& node, const VoidMask& coarse, VoidMask& fine) {
+    decode_voids(grid, node, split_parts(file_.read_node(grid.index(node)), file_.name()).first, coarse, fine);
+  };
+  const VoidMask mask = refine_levels(grid, std::move(root), level, window, threads_, refine);
+  return crop_to(mask.cells, mask.x, mask.y, window);
 }
 
 void ElevationTree::read_stored(int level, const Window& window, RasterView<double> out) const {

@@ -17,8 +17,9 @@ namespace arete {
 /// A tree of elevations, read by level and window. Level 0 is the raster; level l has a cell for every 2^l-th one.
 ///
 /// Guarantees: 1. any window of a level has the values that the whole level has. 2. A window touches only the nodes that it
-/// depends on, and keeps those decoded last (32 MB of them): the coarse levels, and what windows beside it need. 3. The values are the same on every machine, for any number of threads. 4. Safe for untrusted files: a damaged
+/// depends on. 3. The values are the same on every machine, for any number of threads. 4. Safe for untrusted files: a damaged
 /// node is an Error{damaged}, never wrong values.
+/// The nodes decoded last are kept, 32 MB of them: the coarse levels of all windows, and what windows side by side share.
 class ElevationTree final : public RasterSource {
  public:
   /// Reads the directory. Where it names a dictionary (the paper's profile), `find` gives it. Throws as TreeFile,
