@@ -7,6 +7,7 @@
 #include "core/terrain/raster_io.h"
 
 namespace arete {
+
 FittedTree fit_patches(const TreeCells& cells, const TreeHeader& header, const CompressOptions& options, Progress* progress) {
   NoProgress silent;
   PatchCodingOptions coding = options.patches;
@@ -28,7 +29,8 @@ FittedTree fit_patches(const TreeCells& cells, const TreeHeader& header, const C
   const MaskStreams masks = encode_masks(cells, about.grid, options.scratch, options.threads);
   const MaskStreams no_flat;
   TreeDraft draft(masks, no_flat, options.scratch);
-  for (const std::vector<std::byte>& stream : streams.nodes) draft.nodes().add(stream);
+  const NodeStore nodes = draft.nodes();
+  for (const std::vector<std::byte>& stream : streams.nodes) nodes.add(stream);
   FittedTree fitted{draft.finish(about, streams.root), {}, about.coder, {}};
   const auto given = [&](const std::string&) { return *coding.dictionary; };
   fitted.errors = measure_file(cells, fitted.file, options.scratch, options.threads, given);

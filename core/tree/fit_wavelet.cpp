@@ -19,15 +19,15 @@ constexpr double sparse_bits_per_cell = 0.25;
 constexpr std::int64_t most_cells_of_wide = std::int64_t{1} << 24;  // windows of larger rasters come faster from small nodes
 constexpr double least_step = 1e-30, greatest_step = 1e30;  // floats that the norms of all levels leave finite and above 0
 constexpr int most_trials = 14;
-constexpr int patience = 8;  // trials, where the tree is so small that its error jumps
-constexpr double close_enough = 0.997;   // of an error that is aimed at: 0.03 dB
-constexpr double short_of = 0.9985;           // between that and the error itself
-constexpr double filled_enough = 0.99;   // of a size that is aimed at
-constexpr double size_aim = 0.9955;
-constexpr double usual_ratio = 1.04;     // of the error in the file to that of the bands, which are not quite orthogonal
-constexpr double least_water = 0.01;     // of the cells, to be looked at
-constexpr double near_enough = 0.03;     // a first estimate that is further off needs no measuring,
-constexpr double plausible = 0.15;       // nor do later ones beyond this, which are wrong by less
+constexpr int patience = 8;             // trials, where the tree is so small that its error jumps
+constexpr double close_enough = 0.997;  // of an error that is aimed at: 0.03 dB
+constexpr double short_of = 0.9985;     // what is tried for: between that and the error itself
+constexpr double filled_enough = 0.99;  // of a size that is aimed at
+constexpr double size_aim = 0.9955;     // between that and the size itself
+constexpr double usual_ratio = 1.04;    // of the error in the file to that of the bands, which are not quite orthogonal
+constexpr double least_water = 0.01;    // of the cells, to be looked at
+constexpr double near_enough = 0.03;    // a first estimate that is further off needs no measuring,
+constexpr double plausible = 0.15;      // nor do later ones beyond this, which are wrong by less
 
 // A step that was tried.
 struct Trial {
@@ -83,7 +83,7 @@ class Search {
     how.progress = [this](std::int64_t nodes) { progress_.advance(nodes); };
     WaveletSummary summary = encode_wavelet(*pyramid_, how, draft.nodes());
     progress_.end();
-    return {step, finish(draft, summary.parameters, summary.root), error_of(summary.squared_error), {}};
+    return {step, finish(draft, summary.parameters, summary.root), error_of(summary.squared_error, step), {}};
   }
 
   // The same tree, with the flat water that was found meanwhile.
@@ -104,7 +104,7 @@ class Search {
   }
 
   // What the details let expect of a step: RMSE in stored units.
-  double expected_error(double step) const { return usual_ratio * error_of(pyramid_->details.squared_error(step)); }
+  double expected_error(double step) const { return usual_ratio * error_of(pyramid_->details.squared_error(step), step); }
   double expected_bytes(double step) const { return pyramid_->details.bits(step) / 8; }
   // Of masks and index.
   double fixed_bytes() const { return static_cast<double>(masks_.bytes() + flat_.bytes() + 6 * static_cast<std::size_t>(header_.grid.node_count())); }
@@ -116,8 +116,10 @@ class Search {
     return draft.finish(header_, root);
   }
 
-  double error_of(double squared_error) const {
-    const double rmse = std::sqrt(std::max(0.0, squared_error) / static_cast<double>(cells_.size().cells()));
+  // Of the details' squared error and of the root's: its steps, of a low-pass value, are 2 step / norm, and each value counts norm^2.
+  double error_of(double squared_error, double step) const {
+    const double root = static_cast<double>(header_.grid.level_size(header_.grid.levels()).cells()) * step * step / 3;
+    const double rmse = std::sqrt((std::max(0.0, squared_error) + root) / static_cast<double>(cells_.size().cells()));
     return is_integer(header_.type) ? rounded_error(rmse) : rmse;
   }
 

@@ -16,8 +16,8 @@
 namespace arete {
 namespace {
 
-constexpr std::int64_t tile = 1024;        // cells along a side, of the parts that rasters are gone through by
-constexpr std::int64_t one_fill = 2048;    // rasters up to this are filled in one
+constexpr std::int64_t tile = 1024;      // cells along a side, of the parts that rasters are gone through by
+constexpr std::int64_t one_fill = 2048;  // rasters up to this are filled in one
 constexpr std::int64_t fill_halo = 128;
 
 class HeldCells final : public StoredSource {
@@ -57,7 +57,7 @@ Window widen(const Window& window, std::int64_t halo, const Size& size) {
   return {x0, y0, std::min(size.width, window.x + window.width + halo) - x0, std::min(size.height, window.y + window.height + halo) - y0};
 }
 
-// What stands in a window where voids are filled; `nothing` where all around is void. Empty where none of the window is.
+// A window with its voids filled, looking `halo` cells beyond it; the lowest elevation where all around is void. Empty where it has no void.
 Raster<float> fill_window(const TreeCells& cells, const Window& window, std::int64_t halo) {
   const Window wide = widen(window, halo, cells.size());
   const Raster<double> stored = read_window(*cells.stored, wide);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <limits>
@@ -161,12 +162,32 @@ TEST(Compress, FlatWaterIsExactWhereAskedFor) {
     for (std::int64_t x = 0; x < 50; ++x) EXPECT_EQ(part(x, y), whole(x + 111, y + 73));
 }
 
-TEST(Compress, FlatWaterIsLeftAloneWhereItDoesNotPay) {
-  const MemoryStored source = whole_metres(200, 160, false);
-  CompressOptions automatic, none;
-  automatic.target = none.target = {TreeClaim::rmse, 3};
-  none.flat = FlatWater::as_others;
-  EXPECT_EQ(make_tree(source, int16_header(), automatic).file, make_tree(source, int16_header(), none).file);
+// A ragged sea between hills: its mask costs much at a coarse quality, and little beside what ripples cost at a fine one. Automatic is the better
+// of both, and knows a terrain without water.
+TEST(Compress, FlatWaterIsExactWhereThatPays) {
+  const Raster<float> terrain = codec_terrain(300, 240);
+  Raster<double> cells(300, 240);
+  for (std::int64_t i = 0; i < cells.size().cells(); ++i) cells.data()[i] = terrain.data()[i];
+  std::vector<double> sorted(cells.data(), cells.data() + cells.size().cells());
+  std::nth_element(sorted.begin(), sorted.begin() + 28000, sorted.end());
+  const double sea = static_cast<double>(static_cast<float>(sorted[28000]));
+  for (std::int64_t i = 0; i < cells.size().cells(); ++i) cells.data()[i] = std::max(cells.data()[i], sea);
+  const MemoryStored source(std::move(cells)), dry = whole_metres(200, 160, false);
+  int paid = 0;
+  for (const double rmse : {20.0, 0.02}) {
+    const auto bytes = [&](const StoredSource& from, FlatWater flat) {
+      CompressOptions options;
+      options.target = {TreeClaim::rmse, rmse};
+      options.flat = flat;
+      return make_tree(from, TreeHeader(), options).file.size();
+    };
+    const std::size_t automatic = bytes(source, FlatWater::automatic), exact = bytes(source, FlatWater::exact), none = bytes(source, FlatWater::as_others);
+    EXPECT_LE(automatic, none) << rmse;
+    EXPECT_LE(static_cast<double>(automatic), 1.01 * static_cast<double>(exact)) << rmse;
+    paid += automatic < none;
+    EXPECT_EQ(bytes(dry, FlatWater::automatic), bytes(dry, FlatWater::as_others));
+  }
+  EXPECT_EQ(paid, 1);
 }
 
 TEST(Compress, TinyAndFlatRasters) {
