@@ -20,13 +20,14 @@ struct VerifyArguments {
   DemReadOptions dem;
 };
 
-FileReport check_against(const ElevationTree& tree, const VerifyArguments& arguments, std::int64_t memory_bytes) {
+FileReport check_against(const ElevationTree& tree, const VerifyArguments& arguments, const CommonOptions& common) {
   const DemReader dem(arguments.original, arguments.dem);
   const Size size = tree.size();
   if (dem.size() != size)
     throw Error(ErrorKind::input, fmt::format("'{}' has {} x {} cells, the tree '{}' {} x {}: it is of another DEM", arguments.original,
                                               dem.size().width, dem.size().height, arguments.tree, size.width, size.height));
-  const TreeErrors errors = measure_tree(tree, StoredDem(dem), memory_bytes);
+  limit_block_cache(common.memory_bytes / 4);
+  const TreeErrors errors = measure_tree(tree, StoredDem(dem), common.memory_bytes / 2, make_progress(common).get());
   FileReport said = describe_errors(arguments.original, arguments.tree, tree.header().type, errors);
   said.data["claim_kept"] = keeps_claim(tree.header(), errors);
   said.data["void_differs"] = errors.void_differs;
@@ -45,7 +46,7 @@ void run_verify(const VerifyArguments& arguments, const CommonOptions& common) {
   const std::string sound = fmt::format("{}: all {} nodes agree with their checksums\n", arguments.tree, tree.file().nodes().size());
   FileReport said{sound, {{"file", arguments.tree}, {"nodes", tree.file().nodes().size()}}};
   if (!arguments.original.empty()) {
-    const FileReport against = check_against(tree, arguments, common.memory_bytes / 2);
+    const FileReport against = check_against(tree, arguments, common);
     said.text += against.text;
     said.data.update(against.data);
   }

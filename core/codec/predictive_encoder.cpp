@@ -85,13 +85,13 @@ LevelPart every_second(const LevelPart& fine, const Size& size) {
 }
 
 // Makes level l from level l - 1; gives the range of the latter.
-Range make_level(Levels& levels, const NodeGrid& grid, int level, int threads) {
+Range make_level(Levels& levels, const NodeGrid& grid, int level, const PredictiveEncoding& how) {
   const Size fine = grid.level_size(level - 1);
   const std::int64_t wide = (fine.width + tile - 1) / tile, count = wide * ((fine.height + tile - 1) / tile);
   Range range;
   for (std::int64_t first = 0; first < count; first += batch) {
     std::vector<Range> ranges(static_cast<std::size_t>(std::min(batch, count - first)));
-    parallel_for(static_cast<std::int64_t>(ranges.size()), threads, [&](std::int64_t i) {
+    parallel_for(static_cast<std::int64_t>(ranges.size()), how.threads, [&](std::int64_t i) {
       const std::int64_t x = (first + i) % wide * tile, y = (first + i) / wide * tile;
       const Window at{x, y, std::min(tile, fine.width - x), std::min(tile, fine.height - y)};
       const LevelPart cells = levels.read(level - 1, at);
@@ -100,6 +100,7 @@ Range make_level(Levels& levels, const NodeGrid& grid, int level, int threads) {
       levels.write(level, coarse, every_second(cells, coarse.size()));
     });
     for (const Range& part : ranges) range.add(part);
+    if (how.progress) how.progress(0);
   }
   return range;
 }
@@ -175,7 +176,7 @@ PredictiveSummary encode_predictive(const NumberSource& source, const NodeGrid& 
   const Window all{0, 0, root.width, root.height};
   Levels levels(source, grid, how.scratch);
   Range range;
-  for (int l = 1; l <= top; ++l) range.add(make_level(levels, grid, l, how.threads));
+  for (int l = 1; l <= top; ++l) range.add(make_level(levels, grid, l, how));
   const LevelPart coarsest = levels.read(top, all);
   range.add(range_of(coarsest));
 

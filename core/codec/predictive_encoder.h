@@ -28,7 +28,7 @@ struct PredictiveEncoding {
   std::vector<int> coarse_step;
   int threads = 0;
   Scratch scratch;
-  std::function<void(std::int64_t)> progress;  ///< told how many nodes more are coded; may be empty, may throw
+  std::function<void(std::int64_t)> progress;  ///< told how many nodes more are coded, 0 while levels are read; may be empty, may throw
 };
 
 struct PredictiveSummary {

@@ -71,7 +71,7 @@ DetailSizes measure_details(const Analysed& part, const Size& samples, int level
 }
 
 // Level l from level l - 1, its details added to the sizes in a fixed order.
-CellStore<float> analyse_level(WaveletPyramid& pyramid, int level, const Scratch& scratch, int threads) {
+CellStore<float> analyse_level(WaveletPyramid& pyramid, int level, const Scratch& scratch, int threads, const std::function<void(std::int64_t)>& progress) {
   const Size size = pyramid.grid.level_size(level), fine = pyramid.grid.level_size(level - 1);
   CellStore<float> lows(size, scratch, scratch.memory_bytes / 4);
   const std::int64_t wide = (size.width + tile - 1) / tile, count = wide * ((size.height + tile - 1) / tile);
@@ -85,6 +85,7 @@ CellStore<float> analyse_level(WaveletPyramid& pyramid, int level, const Scratch
       sizes[static_cast<std::size_t>(i)] = measure_details(part, fine, level, at);
     });
     for (const DetailSizes& part : sizes) pyramid.details.add(part);
+    if (progress) progress(std::ssize(sizes) * size.cells() / count);
   }
   return lows;
 }
@@ -270,9 +271,10 @@ Raster<float> WaveletPyramid::read(int level, const Window& window) const {
   return samples;
 }
 
-WaveletPyramid analyse_raster(const RasterSource& cells, const NodeGrid& grid, const Scratch& scratch, int threads) {
+WaveletPyramid analyse_raster(const RasterSource& cells, const NodeGrid& grid, const Scratch& scratch, int threads,
+                              const std::function<void(std::int64_t)>& progress) {
   WaveletPyramid pyramid{grid, &cells, {}, {}};
-  for (int level = 1; level <= grid.levels(); ++level) pyramid.lows.push_back(analyse_level(pyramid, level, scratch, threads));
+  for (int level = 1; level <= grid.levels(); ++level) pyramid.lows.push_back(analyse_level(pyramid, level, scratch, threads, progress));
   return pyramid;
 }
 

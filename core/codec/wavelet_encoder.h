@@ -42,8 +42,10 @@ struct WaveletPyramid {
   Raster<float> read(int level, const Window& window) const;
 };
 
-/// `cells` must not be void anywhere, and must outlive the result. Keeps 4/3 bytes a cell.
-WaveletPyramid analyse_raster(const RasterSource& cells, const NodeGrid& grid, const Scratch& scratch, int threads);
+/// `cells` must not be void anywhere, and must outlive the result. Keeps 4/3 bytes a cell. `progress` is told how many cells of level 1 and
+/// up more there are; it may be empty, and may throw.
+WaveletPyramid analyse_raster(const RasterSource& cells, const NodeGrid& grid, const Scratch& scratch, int threads,
+                              const std::function<void(std::int64_t)>& progress = {});
 
 struct WaveletEncoding {
   float step = 1;      ///< of the quantiser

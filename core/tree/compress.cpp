@@ -25,7 +25,7 @@ void copy_bytes(const ByteSource& from, const TreeWriter::Sink& sink) {
 }  // namespace
 
 CompressionReport compress(const StoredSource& source, TreeHeader header, const CompressOptions& options, const TreeWriter::Sink& sink, Progress* progress) {
-  const TreeCells cells = read_tree_cells(source, header, options.scratch);
+  const TreeCells cells = read_tree_cells(source, header, options.scratch, progress);
   header.claim = options.target.kind;
   header.claimed = options.target.value;
   const bool paper = options.profile == TreeProfile::paper;

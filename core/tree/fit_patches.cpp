@@ -33,7 +33,7 @@ FittedTree fit_patches(const TreeCells& cells, const TreeHeader& header, const C
   for (const std::vector<std::byte>& stream : streams.nodes) nodes.add(stream);
   FittedTree fitted{draft.finish(about, streams.root), {}, about.coder, {}};
   const auto given = [&](const std::string&) { return *coding.dictionary; };
-  fitted.errors = measure_file(cells, fitted.file, options.scratch, options.threads, given);
+  fitted.errors = measure_file(cells, fitted.file, options.scratch, options.threads, progress, given);
   const PatchAtoms& atoms = streams.parameters.atoms;
   fitted.value_ratio = value_ratio(atoms.count, disc_samples(atoms.side), streams.discs, streams.parameters.sparsity, cells.size().cells());
   return fitted;

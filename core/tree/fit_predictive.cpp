@@ -85,7 +85,7 @@ FittedTree encode_smallest(const TreeCells& cells, const TreeHeader& header, con
     std::shared_ptr<const ByteSource> file = encode(cells, header, bounded, options, told);
     if (!fitted.file || file->size() < fitted.file->size()) fitted.file = std::move(file);
   }
-  fitted.errors = measure_file(cells, fitted.file, options.scratch, options.threads);
+  fitted.errors = measure_file(cells, fitted.file, options.scratch, options.threads, &told);
   return fitted;
 }
 

@@ -55,7 +55,7 @@ class Search {
   void prepare(int side) {
     header_.coder = TreeCoder::wavelet;
     header_.grid = NodeGrid(cells_.size(), side);
-    if (!pyramid_) pyramid_ = analyse_raster(filled_, header_.grid, options_.scratch, options_.threads);
+    if (!pyramid_) analyse();
     pyramid_->grid = header_.grid;  // levels do not depend on the side of nodes
     masks_ = encode_masks(cells_, header_.grid, options_.scratch, options_.threads);
     flat_ = {};
@@ -99,7 +99,7 @@ class Search {
 
   // RMSE in stored units.
   double measure(Trial& trial) {
-    trial.found = measure_file(cells_, trial.file, options_.scratch, options_.threads);
+    trial.found = measure_file(cells_, trial.file, options_.scratch, options_.threads, &progress_);
     return trial.found.rmse_m / cells_.metres_per_stored;
   }
 
@@ -110,6 +110,14 @@ class Search {
   double fixed_bytes() const { return static_cast<double>(masks_.bytes() + flat_.bytes() + 6 * static_cast<std::size_t>(header_.grid.node_count())); }
 
  private:
+  void analyse() {
+    std::int64_t cells = 0;
+    for (int level = 1; level <= header_.grid.levels(); ++level) cells += header_.grid.level_size(level).cells();
+    progress_.begin("analysing", cells);
+    pyramid_ = analyse_raster(filled_, header_.grid, options_.scratch, options_.threads, [this](std::int64_t more) { progress_.advance(more); });
+    progress_.end();
+  }
+
   std::shared_ptr<const ByteSource> finish(TreeDraft& draft, WaveletParameters parameters, const std::vector<std::byte>& root) {
     parameters.flat = flat_.any();
     header_.parameters = encode_wavelet_parameters(parameters);

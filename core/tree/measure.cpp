@@ -31,7 +31,7 @@ double nodata_step(const TreeHeader& header) {
 
 double TreeErrors::psnr_db() const { return 20 * std::log10((highest_m - lowest_m) / rmse_m); }
 
-TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t memory_bytes) {
+TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t memory_bytes, Progress* progress) {
   const Size size = tree.size();
   const std::int64_t across = (size.width + block - 1) / block;
   TreeErrors errors;
@@ -41,6 +41,7 @@ TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original,
   double greatest = 0;
   const std::optional<double> nodata = void_number(tree.header());
   std::vector<double> squares(static_cast<std::size_t>(across * ((size.height + block - 1) / block)));
+  if (progress) progress->begin("comparing", size.cells());
   for (const Window& at : split_window({0, 0, size.width, size.height}, memory_bytes)) {
     Raster<double> decoded(at.width, at.height), truth(at.width, at.height);
     tree.read_stored(0, at, decoded.view());
@@ -57,7 +58,9 @@ TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original,
         squares[static_cast<std::size_t>((at.y + y) / block * across + (at.x + x) / block)] += error * error;
         greatest = std::max(greatest, error);
       }
+    if (progress) progress->advance(at.size().cells());
   }
+  if (progress) progress->end();
   const double metres = std::abs(tree.header().scale) * tree.header().geo.metres_per_unit;
   const double sum = std::accumulate(squares.begin(), squares.end(), 0.0);
   errors.rmse_m = std::sqrt(sum / static_cast<double>(std::max<std::int64_t>(errors.valid_cells, 1))) * metres;

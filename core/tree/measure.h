@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/support/progress.h"
 #include "core/tree/elevation_tree.h"
 
 namespace arete {
@@ -33,7 +34,7 @@ struct TreeErrors {
 /// Decodes the tree by windows, in the type of its header, and compares it with `original`, which has its size: as a DEM holds it
 /// that has the header's nodata value, in which a valid cell that is decoded to that value has the next one (next_value). Sums are of
 /// doubles in an order that does not depend on the memory.
-TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t memory_bytes);
+TreeErrors measure_tree(const ElevationTree& tree, const StoredSource& original, std::int64_t memory_bytes, Progress* progress = nullptr);
 
 /// How far such a cell is moved, in stored units; 0 where the type has no such value.
 double nodata_step(const TreeHeader& header);

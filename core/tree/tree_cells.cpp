@@ -145,14 +145,17 @@ Raster<double> read_level(const StoredSource& source, int level, const Window& w
   return cells;
 }
 
-TreeCells read_tree_cells(const StoredSource& source, const TreeHeader& header, const Scratch& scratch) {
+TreeCells read_tree_cells(const StoredSource& source, const TreeHeader& header, const Scratch& scratch, Progress* progress) {
   TreeCells cells;
   cells.stored = hold_cells(source, scratch);
+  if (progress) progress->begin("reading", source.size().cells());
   visit_cells(*cells.stored, [&](const Window&, const Raster<double>& part) {
+    if (progress) progress->advance(part.size().cells());
     const StoredValues values(part.data(), static_cast<std::size_t>(part.size().cells()));
     cells.range.add(values);
     cells.valid += std::count_if(values.begin(), values.end(), [](double v) { return !std::isnan(v); });
   });
+  if (progress) progress->end();
   const std::int64_t all = cells.size().cells();
   cells.any_void = cells.valid < all;
   if (cells.valid == 0) throw Error(ErrorKind::input, "nothing to compress: all " + std::to_string(all) + " cells are void");

@@ -8,6 +8,7 @@
 #include "core/codec/predictive_encoder.h"
 #include "core/codec/tree_file.h"
 #include "core/codec/value_map.h"
+#include "core/support/progress.h"
 #include "core/support/scratch.h"
 #include "core/terrain/cell_store.h"
 #include "core/terrain/raster_io.h"
@@ -26,7 +27,7 @@ struct TreeCells {
 };
 
 /// `source` must outlive the result. Throws Error{input} where all cells are void.
-TreeCells read_tree_cells(const StoredSource& source, const TreeHeader& header, const Scratch& scratch);
+TreeCells read_tree_cells(const StoredSource& source, const TreeHeader& header, const Scratch& scratch, Progress* progress = nullptr);
 
 /// Gives all numbers of a raster away, part by part.
 void visit_cells(const StoredSource& source, const std::function<void(const Window&, const Raster<double>&)>& visit);

@@ -59,8 +59,8 @@ std::shared_ptr<const ByteSource> TreeDraft::finish(TreeHeader header, const std
 }
 
 TreeErrors measure_file(const TreeCells& cells, const std::shared_ptr<const ByteSource>& file, const Scratch& scratch, int threads,
-                        const DictionaryFinder& find) {
-  return measure_tree(ElevationTree(TreeFile(file, draft_name), threads, find), *cells.stored, scratch.memory_bytes / 2);
+                        Progress* progress, const DictionaryFinder& find) {
+  return measure_tree(ElevationTree(TreeFile(file, draft_name), threads, find), *cells.stored, scratch.memory_bytes / 2, progress);
 }
 
 }  // namespace arete

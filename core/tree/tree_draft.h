@@ -8,6 +8,7 @@
 
 #include "core/codec/patch_parameters.h"
 #include "core/codec/tree_file.h"
+#include "core/support/progress.h"
 #include "core/support/scratch.h"
 #include "core/tree/tree_cells.h"
 
@@ -43,6 +44,6 @@ struct FittedTree {
 
 /// What a reader of the file will find, against the original. `find` gives the dictionary where the file names one.
 TreeErrors measure_file(const TreeCells& cells, const std::shared_ptr<const ByteSource>& file, const Scratch& scratch, int threads,
-                        const DictionaryFinder& find = {});
+                        Progress* progress = nullptr, const DictionaryFinder& find = {});
 
 }  // namespace arete

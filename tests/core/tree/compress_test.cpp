@@ -199,6 +199,47 @@ TEST(Compress, TinyAndFlatRasters) {
   }
 }
 
+// Counts stages, and stops in one of them.
+class Watcher final : public Progress {
+ public:
+  explicit Watcher(int stop_in) : stop_in_(stop_in) {}
+  void begin(const std::string&, std::int64_t total) override {
+    EXPECT_EQ(left_, 0) << "a stage began before the last one ended";
+    left_ = total;
+    ++stages;
+  }
+  void advance(std::int64_t done) override {
+    left_ -= done;
+    EXPECT_GE(left_, 0);
+    if (stages == stop_in_) throw Error(ErrorKind::interrupted, "stopped");
+  }
+  void end() override {
+    EXPECT_LE(left_, 2) << "of stage " << stages;  // what thirds and quarters round away
+    left_ = 0;
+  }
+  int stages = 0;
+
+ private:
+  int stop_in_;
+  std::int64_t left_ = 0;
+};
+
+TEST(Compress, EveryStageShowsItsProgressAndCanBeStopped) {
+  const MemoryStored source = whole_metres(300, 200, true);
+  for (const CompressionTarget& target : {CompressionTarget{TreeClaim::rmse, 2}, CompressionTarget{TreeClaim::max_error, 2}}) {
+    CompressOptions options;
+    options.target = target;
+    Watcher whole(0);
+    compress(source, int16_header(), options, [](std::span<const std::byte>) {}, &whole);
+    ASSERT_GE(whole.stages, 3);
+    for (int stage = 1; stage <= whole.stages; ++stage) {
+      Watcher stopping(stage);
+      const auto sink = [](std::span<const std::byte>) { FAIL() << "something was written"; };
+      EXPECT_THROW(compress(source, int16_header(), options, sink, &stopping), Error) << "stage " << stage;
+    }
+  }
+}
+
 TEST(Compress, RefusesWhatCannotBe) {
   const MemoryStored voids(Raster<double>(5, 4, std::numeric_limits<double>::quiet_NaN()));
   EXPECT_THROW(make_tree(voids, int16_header(), {}), Error);
