@@ -41,7 +41,7 @@ InputFile::InputFile(const std::string& path) : path_(path), file_(::open(path.c
 InputFile::~InputFile() { ::close(file_); }
 
 void InputFile::fill(std::size_t count) {
-  if (end_ - start_ >= count) return;
+  if (end_ - start_ >= std::min<std::uint64_t>(count, left())) return;
   std::memmove(buffer_.data(), buffer_.data() + start_, end_ - start_);
   end_ -= start_;
   start_ = 0;

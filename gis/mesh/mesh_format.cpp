@@ -25,64 +25,18 @@ constexpr bool metres = true, any_units = false;
 constexpr bool normals = true, no_normals = false;
 constexpr bool texture = true, no_texture = false;
 
-/// One entry per format: name, extensions, description; what it holds; how far it moves vertices; its writer and its reader.
+/// One line per format: name, extensions, description; what it holds; how far it moves vertices; its writer and its reader.
 const std::vector<Entry>& entries() {
+  // clang-format off
   static const std::vector<Entry> all = {
-      {{"PLY",
-        {".ply"},
-        "PLY, binary, exact (MeshLab, CloudCompare, Blender, QGIS)",
-        any_units,
-        normals,
-        no_texture,
-        ply_rounding,
-        write_ply},
-       read_ply},
-      {{"OBJ",
-        {".obj"},
-        "Wavefront OBJ with an offset file (3D modelling, games)",
-        metres,
-        normals,
-        texture,
-        obj_rounding,
-        write_obj},
-       read_obj},
-      {{"STL",
-        {".stl"},
-        "STL, binary, 32-bit floats with an offset file (3D printing)",
-        metres,
-        no_normals,
-        no_texture,
-        stl_rounding,
-        write_stl},
-       read_stl},
-      {{"2DM",
-        {".2dm"},
-        "SMS 2DM, exact (hydraulic models, QGIS)",
-        any_units,
-        no_normals,
-        no_texture,
-        two_dm_rounding,
-        write_2dm},
-       read_2dm},
-      {{"DXF",
-        {".dxf"},
-        "AutoCAD DXF R12, 3DFACE entities, exact (CAD)",
-        metres,
-        no_normals,
-        no_texture,
-        dxf_rounding,
-        write_dxf},
-       read_dxf},
-      {{"LandXML",
-        {".xml", ".landxml"},
-        "LandXML 1.2, a TIN surface, exact (civil engineering)",
-        metres,
-        no_normals,
-        no_texture,
-        landxml_rounding,
-        write_landxml},
-       read_landxml},
+      {{"PLY", {".ply"}, "PLY, binary, exact (MeshLab, CloudCompare, Blender, QGIS)", any_units, normals, no_texture, ply_rounding, write_ply}, read_ply},
+      {{"OBJ", {".obj"}, "Wavefront OBJ with an offset file (3D modelling, games)", metres, normals, texture, obj_rounding, write_obj}, read_obj},
+      {{"STL", {".stl"}, "STL, binary, 32-bit floats with an offset file (3D printing)", metres, no_normals, no_texture, stl_rounding, write_stl}, read_stl},
+      {{"2DM", {".2dm"}, "SMS 2DM, exact (hydraulic models, QGIS)", any_units, no_normals, no_texture, two_dm_rounding, write_2dm}, read_2dm},
+      {{"DXF", {".dxf"}, "AutoCAD DXF R12, 3DFACE entities, exact (CAD)", metres, no_normals, no_texture, dxf_rounding, write_dxf}, read_dxf},
+      {{"LandXML", {".xml", ".landxml"}, "LandXML 1.2, a TIN surface, exact (civil engineering)", metres, no_normals, no_texture, landxml_rounding, write_landxml}, read_landxml},
   };
+  // clang-format on
   return all;
 }
 
@@ -120,7 +74,9 @@ const std::vector<MeshFormat>& mesh_formats() {
   return formats;
 }
 
-const MeshFormat& mesh_format_of(const std::string& path) { return known_entry_of(path).format; }
+const MeshFormat& mesh_format_of(const std::string& path) {
+  return mesh_formats()[static_cast<std::size_t>(&known_entry_of(path) - entries().data())];
+}
 
 MeshFile read_mesh(const std::string& path, const Scratch& scratch) { return known_entry_of(path).read(path, scratch); }
 

@@ -13,4 +13,8 @@ namespace arete {
 /// mesh gives the same normals. Memory: 12 bytes per vertex and a cache of 25 MB. Throws as MeshSource.
 std::vector<std::array<float, 3>> vertex_normals(const MeshSource& mesh, double z_scale);
 
+/// One unit of z in units of x and y: the z_scale of a mesh. Units of a CRS without a known one are metres. A degree is taken for
+/// 111.3 km, that of the equator of WGS 84: in degrees, normals are right up to the narrowing of the meridians.
+double vertical_scale(const MeshFrame& frame);
+
 }  // namespace arete

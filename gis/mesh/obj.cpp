@@ -52,7 +52,7 @@ void write_texture_places(OutputFile& file, const MeshSource& mesh, const MeshBo
 }
 
 void write_normals(OutputFile& file, const MeshSource& mesh, const MeshFrame& frame) {
-  for (const std::array<float, 3>& n : vertex_normals(mesh, frame.metres_per_unit))
+  for (const std::array<float, 3>& n : vertex_normals(mesh, vertical_scale(frame)))
     file.text("vn " + number_text(n[0]) + " " + number_text(n[1]) + " " + number_text(n[2]) + "\n");
 }
 

@@ -282,7 +282,7 @@ void write_ply(const MeshSource& mesh, const MeshFrame& frame, const std::string
     throw Error(ErrorKind::format, "cannot write '" + path + "': PLY holds 4294967296 vertices, the mesh has " +
                                        std::to_string(mesh.vertices()) + "; use a larger error or write it in parts");
   const std::vector<std::array<float, 3>> normals =
-      options.normals ? vertex_normals(mesh, frame.metres_per_unit) : std::vector<std::array<float, 3>>();
+      options.normals ? vertex_normals(mesh, vertical_scale(frame)) : std::vector<std::array<float, 3>>();
   OutputFile file(path);
   write_header(file, mesh, frame, options);
   for_vertex_blocks(mesh, [&](std::int64_t first, std::span<const MeshVertex> vertices) {

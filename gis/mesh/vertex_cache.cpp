@@ -5,7 +5,8 @@
 namespace arete {
 
 VertexCache::VertexCache(const MeshSource& mesh)
-    : mesh_(mesh), slot_of_(static_cast<std::size_t>((mesh.vertices() + block_vertices - 1) / block_vertices), std::int16_t{-1}) {}
+    : mesh_(mesh),
+      slot_of_(static_cast<std::size_t>((mesh.vertices() + block_vertices - 1) / block_vertices), std::int16_t{-1}) {}
 
 void VertexCache::use(std::int64_t block) {
   std::int16_t& slot = slot_of_[static_cast<std::size_t>(block)];
@@ -30,7 +31,8 @@ std::size_t VertexCache::free_slot() {
     slots_.emplace_back();
     return slots_.size() - 1;
   }
-  const auto oldest = std::min_element(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) { return a.last_use < b.last_use; });
+  const auto oldest =
+      std::min_element(slots_.begin(), slots_.end(), [](const Slot& a, const Slot& b) { return a.last_use < b.last_use; });
   if (oldest->block >= 0) slot_of_[static_cast<std::size_t>(oldest->block)] = -1;
   oldest->block = -1;
   return static_cast<std::size_t>(oldest - slots_.begin());

@@ -2,20 +2,13 @@
 
 #include <bit>
 
+#include "core/support/random.h"
+
 namespace arete {
 namespace {
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood 2014).
-std::uint64_t mix(std::uint64_t bits) {
-  bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-  bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-  return bits ^ (bits >> 31);
-}
-
 std::uint64_t hash(const MeshVertex& v) {
-  std::uint64_t bits = mix(std::bit_cast<std::uint64_t>(v.x) + 0x9e3779b97f4a7c15u);
-  bits = mix(bits ^ std::bit_cast<std::uint64_t>(v.y));
-  return mix(bits ^ std::bit_cast<std::uint64_t>(v.z));
+  return hash_position(std::bit_cast<std::uint64_t>(v.x), std::bit_cast<std::uint64_t>(v.y), std::bit_cast<std::uint64_t>(v.z));
 }
 
 }  // namespace

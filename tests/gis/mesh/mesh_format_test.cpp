@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <set>
 
+#include "core/support/random.h"
 #include "gis/mesh/mesh_bounds.h"
 #include "tests/gis/dem_files.h"
 #include "tests/gis/mesh/meshes.h"
@@ -231,6 +232,24 @@ TEST(PlainMeshFormats, EveryChangedByteIsRefusedOrSound) {
         bytes[place] = static_cast<char>(static_cast<unsigned char>(bytes[place]) ^ change);
         is_refused(file.path, bytes);
       }
+  });
+}
+
+// Pieces of a file cut out, put in again elsewhere, or overwritten: 500 times per format.
+TEST(PlainMeshFormats, DisorderedPiecesAreRefusedOrSound) {
+  for_each_small_file([](const Damage& file) {
+    for (std::uint64_t trial = 0; trial < 500; ++trial) {
+      std::uint64_t draws = 0;
+      const auto draw = [&](std::size_t below) { return static_cast<std::size_t>(hash_position(trial, draws++) % below); };
+      std::string bytes = file.bytes;
+      for (std::size_t change = draw(3); change < 3; ++change) {
+        const std::string piece = bytes.substr(draw(bytes.size()), 1 + draw(12));
+        const std::size_t place = draw(bytes.size());
+        if (draw(3) > 0) bytes.erase(place, draw(12));
+        if (draw(3) > 0 || bytes.empty()) bytes.insert(std::min(place, bytes.size()), piece);
+      }
+      is_refused(file.path, bytes);
+    }
   });
 }
 

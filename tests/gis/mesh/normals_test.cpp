@@ -1,9 +1,10 @@
 #include "gis/mesh/normals.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "gis/crs.h"
 #include "gis/mesh/mesh_store.h"
 
 namespace arete {
@@ -58,6 +59,18 @@ TEST(VertexNormals, OfTrianglesWithoutAreaLookUp) {
   mesh.append_vertices(std::vector<MeshVertex>{{0, 0, 0}, {1, 1, 1}, {2, 2, 2}});
   mesh.append_triangles(std::vector<MeshTriangle>{{0, 1, 2}, {0, 0, 1}});
   for (const auto& normal : vertex_normals(mesh, 1)) EXPECT_EQ(normal, (std::array<float, 3>{0, 0, 1}));
+}
+
+TEST(VerticalScale, IsOneUnitOfZInUnitsOfThePlane) {
+  constexpr double us_survey_foot = 1200.0 / 3937.0;
+  EXPECT_EQ(vertical_scale({"", "ft", 0.3048}), 0.3048);
+  EXPECT_EQ(vertical_scale({crs_wkt("EPSG:32632+5773"), "m", 1}), 1);
+  EXPECT_EQ(vertical_scale({crs_wkt("EPSG:4978"), "m", 1}), 1);
+  // NAD83 / Texas Central (ftUS): metres up are 3.28 feet, feet up are feet.
+  EXPECT_NEAR(vertical_scale({crs_wkt("EPSG:2277"), "m", 1}), 1 / us_survey_foot, 1e-9);
+  EXPECT_NEAR(vertical_scale({crs_wkt("EPSG:2277+6360"), "ft", us_survey_foot}), 1, 1e-9);
+  // A degree of the equator of WGS 84: pi / 180 x 6378137 m = 111319.491 m.
+  EXPECT_NEAR(1 / vertical_scale({crs_wkt("EPSG:4326"), "m", 1}), 111319.491, 1e-3);
 }
 
 }  // namespace

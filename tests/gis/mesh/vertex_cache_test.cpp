@@ -1,9 +1,8 @@
 #include "gis/mesh/vertex_cache.h"
 
-#include <algorithm>
-
 #include <gtest/gtest.h>
 
+#include <algorithm>
 
 namespace arete {
 namespace {
