@@ -177,7 +177,7 @@ std::array<RasterPoint, 3> corners_of(const MeshTriangle& triangle, std::int64_t
 Int128 check_triangles(const MeshSource& mesh, RasterPoints& points, int orientation, CellChecker& cells, MeshErrors& errors, Progress& progress) {
   Int128 total = 0;
   progress.begin("Comparing cells", mesh.triangles());
-  for_triangle_blocks(mesh, progress, [&](std::int64_t first, std::span<const MeshTriangle> triangles) {
+  for_triangle_blocks(mesh, [&](std::int64_t first, std::span<const MeshTriangle> triangles) {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       const std::int64_t index = first + static_cast<std::int64_t>(i);
       std::array<RasterPoint, 3> corners = corners_of(triangles[i], index, points);
@@ -192,6 +192,7 @@ Int128 check_triangles(const MeshSource& mesh, RasterPoints& points, int orienta
       cells.check(corners);
     }
     cells.end_block();
+    progress.advance(static_cast<std::int64_t>(triangles.size()));
   });
   progress.end();
   return total;

@@ -134,10 +134,11 @@ RasterPoints::RasterPoints(const MeshSource& mesh, const RasterPlane& plane, con
   bytes_.resize(static_cast<std::uint64_t>(size_) * sizeof(RasterPoint));
   progress.begin("Placing vertices", size_);
   std::vector<RasterPoint> placed;
-  for_vertex_blocks(mesh, progress, [&](std::int64_t first, std::span<const MeshVertex> vertices) {
+  for_vertex_blocks(mesh, [&](std::int64_t first, std::span<const MeshVertex> vertices) {
     placed.resize(vertices.size());
     plane.place(first, vertices, placed);
     bytes_.write(static_cast<std::uint64_t>(first) * sizeof(RasterPoint), std::as_bytes(std::span<const RasterPoint>(placed)));
+    progress.advance(static_cast<std::int64_t>(placed.size()));
   });
   progress.end();
 }

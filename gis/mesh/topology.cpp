@@ -60,7 +60,7 @@ Ranges survey(const MeshSource& mesh, std::int64_t memory_bytes, Progress& progr
   std::vector<bool> used(static_cast<std::size_t>(vertices));
   std::optional<Joined> joined;
   if (vertices <= std::numeric_limits<std::uint32_t>::max() && vertices * 4 <= memory_bytes / 2) joined.emplace(vertices);
-  for_triangle_blocks(mesh, progress, [&](std::int64_t first, std::span<const MeshTriangle> triangles) {
+  for_triangle_blocks(mesh, [&](std::int64_t first, std::span<const MeshTriangle> triangles) {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       const MeshTriangle& t = triangles[i];
       check_indices(t, first + static_cast<std::int64_t>(i), vertices);
@@ -69,6 +69,7 @@ Ranges survey(const MeshSource& mesh, std::int64_t memory_bytes, Progress& progr
       if (!has_edges(t)) continue;
       for (std::size_t k = 0; k < 3; ++k) ++ranges.edges[static_cast<std::size_t>(std::min(t[k], t[(k + 1) % 3]) / ranges.width)];
     }
+    progress.advance(static_cast<std::int64_t>(triangles.size()));
   });
   topology.unused_vertices = std::count(used.begin(), used.end(), false);
   if (joined) topology.components = joined->parts(used);
@@ -80,7 +81,7 @@ std::vector<std::uint64_t> edges_of(const MeshSource& mesh, std::int64_t low, st
   const auto vertices = static_cast<std::uint64_t>(mesh.vertices());
   std::vector<std::uint64_t> keys;
   keys.reserve(static_cast<std::size_t>(count));
-  for_triangle_blocks(mesh, progress, [&](std::int64_t, std::span<const MeshTriangle> triangles) {
+  for_triangle_blocks(mesh, [&](std::int64_t, std::span<const MeshTriangle> triangles) {
     for (const MeshTriangle& t : triangles) {
       if (!has_edges(t)) continue;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -89,6 +90,7 @@ std::vector<std::uint64_t> edges_of(const MeshSource& mesh, std::int64_t low, st
         keys.push_back((static_cast<std::uint64_t>(lower - low) * vertices + static_cast<std::uint64_t>(higher)) * 2 + (t[k] == higher ? 1 : 0));
       }
     }
+    progress.advance(static_cast<std::int64_t>(triangles.size()));
   });
   return keys;
 }
