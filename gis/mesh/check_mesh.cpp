@@ -8,7 +8,6 @@
 #include <string>
 #include <utility>
 
-#include "core/support/error.h"
 #include "core/terrain/cell_store.h"
 #include "gis/mesh/exact.h"
 #include "gis/mesh/mesh_blocks.h"
@@ -161,17 +160,6 @@ class CellChecker {
   MeshErrors& errors_;
   double squares_ = 0, block_squares_ = 0;
 };
-
-std::array<RasterPoint, 3> corners_of(const MeshTriangle& triangle, std::int64_t index, RasterPoints& points) {
-  std::array<RasterPoint, 3> corners;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (triangle[k] < 0 || triangle[k] >= points.size())
-      throw Error(ErrorKind::input, "triangle " + std::to_string(index) + " of the mesh names vertex " + std::to_string(triangle[k]) + ", but there are only " +
-                                        std::to_string(points.size()));
-    corners[k] = points.at(triangle[k]);
-  }
-  return corners;
-}
 
 /// Every triangle by itself, and its cells. Returns twice the area of all, in units of 2^-60 cell.
 Int128 check_triangles(const MeshSource& mesh, RasterPoints& points, int orientation, CellChecker& cells, MeshErrors& errors, Progress& progress) {

@@ -147,4 +147,15 @@ void RasterPoints::read(std::int64_t first, std::span<RasterPoint> out) const {
   bytes_.read(static_cast<std::uint64_t>(first) * sizeof(RasterPoint), std::as_writable_bytes(out));
 }
 
+std::array<RasterPoint, 3> corners_of(const MeshTriangle& triangle, std::int64_t index, RasterPoints& points) {
+  std::array<RasterPoint, 3> corners;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (triangle[k] < 0 || triangle[k] >= points.size())
+      throw Error(ErrorKind::input, "triangle " + std::to_string(index) + " of the mesh names vertex " + std::to_string(triangle[k]) + ", but there are only " +
+                                        std::to_string(points.size()));
+    corners[k] = points.at(triangle[k]);
+  }
+  return corners;
+}
+
 }  // namespace arete

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -73,5 +74,8 @@ class RasterPoints {
   ScratchBytes bytes_;
   RecentBlocks<Block> blocks_;
 };
+
+/// The corners of the index-th triangle. Throws Error{input} where it names a vertex that is not there.
+std::array<RasterPoint, 3> corners_of(const MeshTriangle& triangle, std::int64_t index, RasterPoints& points);
 
 }  // namespace arete
