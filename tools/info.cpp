@@ -3,6 +3,7 @@
 #include "core/codec/tree_file.h"
 #include "core/sparse/dictionary_file.h"
 #include "tools/dem_options.h"
+#include "tools/mesh_input.h"
 #include "tools/verbs.h"
 
 namespace arete::tools {
@@ -10,7 +11,7 @@ namespace {
 
 /// A kind of file that `arete info` knows.
 struct FileKind {
-  bool (*recognises)(const std::string& path);  ///< by its first bytes, not by its name; false for what cannot be read
+  bool (*recognises)(const std::string& path);  ///< by its first bytes, but a mesh by its name; false for what cannot be read
   FileReport (*describe)(const InfoOptions& options, const CommonOptions& common);
   bool has_atoms;
 };
@@ -21,6 +22,7 @@ bool any_file(const std::string&) { return true; }
 constexpr FileKind file_kinds[] = {
     {is_dictionary_file, describe_dictionary, true},
     {is_tree_file, describe_tree, false},
+    {is_mesh_file, describe_mesh, false},
     {any_file, describe_dem, false},
 };
 
@@ -41,10 +43,10 @@ void run_info(const InfoOptions& options, const CommonOptions& common) {
 void add_info(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto options = std::make_shared<InfoOptions>();
   CLI::App* verb =
-      add_verb(app, "info", "Say what a file is: a DEM with its cells, CRS and elevations, a dictionary with its atoms, or a tree (.sct)",
-               "arete info dem.tif\narete info --json dem.tif\narete info alps.atoms --sheet atoms.png", common,
+      add_verb(app, "info", "Say what a file is: a DEM with its cells, CRS and elevations, a dictionary with its atoms, a tree (.sct), or a mesh",
+               "arete info dem.tif\narete info --json dem.tif\narete info alps.atoms --sheet atoms.png\narete info mesh.ply", common,
                [=] { run_info(*options, *common); });
-  verb->add_option("FILE", options->file, "The file to describe: any DEM that GDAL opens, a dictionary (.atoms) or a tree (.sct)")->required();
+  verb->add_option("FILE", options->file, "The file to describe: any DEM that GDAL opens, a dictionary (.atoms), a tree (.sct) or a mesh (.ply...)")->required();
   verb->add_option("--sheet", options->sheet, "Draw the atoms of a dictionary as a contact sheet (.png)");
   add_dem_options(verb, options->dem);
 }

@@ -29,6 +29,9 @@ FileReport describe_dem(const InfoOptions& options, const CommonOptions& common)
 /// A dictionary of atoms (.atoms). Draws them where the options say.
 FileReport describe_dictionary(const InfoOptions& options, const CommonOptions& common);
 
+/// A mesh: reads it three times, for its bounds, its area and its edges.
+FileReport describe_mesh(const InfoOptions& options, const CommonOptions& common);
+
 /// A tree of elevations (.sct): its directory, no node.
 FileReport describe_tree(const InfoOptions& options, const CommonOptions& common);
 

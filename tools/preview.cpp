@@ -6,8 +6,10 @@
 
 #include "gis/colour_ramp.h"
 #include "gis/dem_file.h"
+#include "gis/mesh/draw_mesh.h"
 #include "gis/relief.h"
 #include "tools/command.h"
+#include "tools/mesh_input.h"
 #include "tools/verbs.h"
 
 namespace arete::tools {
@@ -17,7 +19,7 @@ struct PreviewArguments {
   std::string input, output, ramp = "land", azimuth = "multi";
   std::int64_t width = 0;
   double exaggeration = 0;
-  bool no_legend = false, terrain_rgb = false;
+  bool no_legend = false, no_wireframe = false, terrain_rgb = false;
   int band = 1;
 };
 
@@ -35,6 +37,22 @@ std::optional<double> parse_azimuth(const std::string& text) {
   return degrees;
 }
 
+Relief draw_dem(const PreviewArguments& arguments, ReliefOptions options, Progress& progress) {
+  const DemReader dem(arguments.input, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb});
+  options.metric = dem.georeference().transform.has_value();
+  return draw_relief(dem, dem.cell_size(), options, progress);
+}
+
+Relief draw_mesh_file(const PreviewArguments& arguments, const ReliefOptions& relief, const CommonOptions& common, Progress& progress) {
+  const MeshFile file = read_mesh(arguments.input, temporary_scratch(common, 4));
+  MeshDrawOptions options;
+  options.relief = relief;
+  options.relief.metric = !file.frame.crs_wkt.empty();
+  options.wireframe = !arguments.no_wireframe;
+  options.scratch = temporary_scratch(common, 2);
+  return draw_mesh(file.mesh, file.frame, options, progress);
+}
+
 void run_preview(const PreviewArguments& arguments, const CommonOptions& common) {
   ReliefOptions options;
   options.ramp = arguments.ramp;
@@ -44,13 +62,11 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
   options.legend = !arguments.no_legend;
   options.threads = common.threads;
   check_picture_path(arguments.output, common.overwrite);
-  const DemReader dem(arguments.input, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb});
-  options.metric = dem.georeference().transform.has_value();
   if (options.legend && find_font().empty())
     warn(common, "no font found, the legend is left out: install fonts-dejavu-core or set ARETE_FONT");
 
   const auto progress = make_progress(common);
-  const Relief relief = draw_relief(dem, dem.cell_size(), options, *progress);
+  const Relief relief = is_mesh_file(arguments.input) ? draw_mesh_file(arguments, options, common, *progress) : draw_dem(arguments, options, *progress);
   write_picture(arguments.output, relief.picture, common.overwrite);
 
   if (std::isnan(relief.low_m)) warn(common, "'" + arguments.input + "' has no valid cell");
@@ -71,9 +87,10 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
 
 void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<PreviewArguments>();
-  CLI::App* verb = add_verb(app, "preview", "Draw a DEM as a shaded relief map with legend and scale bar", "arete preview dem.tif relief.png",
+  CLI::App* verb = add_verb(app, "preview", "Draw a DEM or a mesh as a shaded relief map with legend and scale bar",
+                            "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png",
                             common, [arguments, common] { run_preview(*arguments, *common); });
-  verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens")->required();
+  verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens; or a mesh (.ply...)")->required();
   verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr")->required();
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
   verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048)")
@@ -83,6 +100,7 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
       ->check(above_zero());
   verb->add_option("--azimuth", arguments->azimuth, "Light: 'multi' for four about the north-west (default), or one from so many degrees");
   verb->add_flag("--no-legend", arguments->no_legend, "The map alone");
+  verb->add_flag("--no-wireframe", arguments->no_wireframe, "The relief of a mesh without the sides of its triangles");
   verb->add_option("--band", arguments->band, "Band, counted from 1 (default: 1)")->check(CLI::PositiveNumber);
   verb->add_flag("--terrain-rgb", arguments->terrain_rgb, "The input is a Mapbox terrain-RGB picture");
 }
