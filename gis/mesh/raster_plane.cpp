@@ -31,7 +31,8 @@ OGRSpatialReference known_crs(const std::string& wkt, const char* whose) {
 
 /// How coordinates of a mesh become those of the raster's CRS.
 struct ChangeOfCrs {
-  std::unique_ptr<OGRCoordinateTransformation> change;  // null: none
+  std::unique_ptr<OGRCoordinateTransformation> change;  // from the mesh to the raster; null: none
+  std::unique_ptr<OGRCoordinateTransformation> making;  // from the raster to the mesh, as the mesh was made
   bool with_height = false;
   double metres_per_unit = 1;  // of the heights that come out, where they take part
 };
@@ -54,9 +55,14 @@ ChangeOfCrs relate(const std::string& from_wkt, const std::string& to_wkt) {
     to.PromoteTo3D(nullptr);
   }
   relation.change.reset(OGRCreateCoordinateTransformation(&from, &to));
-  if (!relation.change) throw Error(ErrorKind::input, "the CRS of the mesh cannot be related to that of the raster" + errors.suffix());
+  relation.making.reset(OGRCreateCoordinateTransformation(&to, &from));
+  if (!relation.change || !relation.making) throw Error(ErrorKind::input, "the CRS of the mesh cannot be related to that of the raster" + errors.suffix());
   return relation;
 }
+
+struct Places {
+  std::vector<double> x, y, z;
+};
 
 std::int64_t to_units(double cells, double snap) {
   const double half = std::round(2 * cells) / 2;
@@ -73,7 +79,7 @@ struct RasterPlane::Impl {
   ChangeOfCrs relation;
   double height_noise_m;  // within which a height is the float beside it
 
-  void change_crs(std::vector<double>& x, std::vector<double>& y, std::vector<double>& z, std::int64_t first) const;
+  void change_crs(Places& places, std::int64_t first) const;
   RasterPoint place(double x, double y, double z, std::int64_t index) const;
 };
 
@@ -92,14 +98,27 @@ RasterPlane::~RasterPlane() = default;
 
 int RasterPlane::orientation() const { return impl_->determinant > 0 ? 1 : -1; }
 
-void RasterPlane::Impl::change_crs(std::vector<double>& x, std::vector<double>& y, std::vector<double>& z, std::int64_t first) const {
+void RasterPlane::Impl::change_crs(Places& places, std::int64_t first) const {
   const GdalErrors errors;
-  std::vector<int> succeeded(x.size());
-  relation.change->Transform(static_cast<int>(x.size()), x.data(), y.data(), relation.with_height ? z.data() : nullptr, succeeded.data());
-  const auto failed = std::find(succeeded.begin(), succeeded.end(), 0);
-  if (failed != succeeded.end())
-    throw Error(ErrorKind::input, "vertex " + std::to_string(first + (failed - succeeded.begin())) + " of the mesh has no place in the CRS of the raster" +
-                                      errors.suffix());
+  const auto transform_all = [&](OGRCoordinateTransformation& change, Places& all) {
+    std::vector<int> succeeded(all.x.size());
+    change.Transform(static_cast<int>(all.x.size()), all.x.data(), all.y.data(), relation.with_height ? all.z.data() : nullptr, succeeded.data());
+    const auto failed = std::find(succeeded.begin(), succeeded.end(), 0);
+    if (failed != succeeded.end())
+      throw Error(ErrorKind::input, "vertex " + std::to_string(first + (failed - succeeded.begin())) + " of the mesh has no place in the CRS of the raster" +
+                                        errors.suffix());
+  };
+  // Datum shifts are inverted only to 1e-4 of a cell or so (PROJ's Helmert, and heights that are left behind): there and back again from
+  // the place found shows by how much, and the shift is the same at so small a distance.
+  transform_all(*relation.change, places);
+  Places again = places;
+  transform_all(*relation.making, again);
+  transform_all(*relation.change, again);
+  for (std::size_t i = 0; i < places.x.size(); ++i) {
+    places.x[i] += places.x[i] - again.x[i];
+    places.y[i] += places.y[i] - again.y[i];
+    if (relation.with_height) places.z[i] += places.z[i] - again.z[i];
+  }
 }
 
 RasterPoint RasterPlane::Impl::place(double x, double y, double z, std::int64_t index) const {
@@ -116,10 +135,10 @@ RasterPoint RasterPlane::Impl::place(double x, double y, double z, std::int64_t 
 }
 
 void RasterPlane::place(std::int64_t first, std::span<const MeshVertex> vertices, std::span<RasterPoint> out) const {
-  std::vector<double> x(vertices.size()), y(vertices.size()), z(vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) x[i] = vertices[i].x, y[i] = vertices[i].y, z[i] = vertices[i].z;
-  if (impl_->relation.change && !vertices.empty()) impl_->change_crs(x, y, z, first);
-  for (std::size_t i = 0; i < vertices.size(); ++i) out[i] = impl_->place(x[i], y[i], z[i], first + static_cast<std::int64_t>(i));
+  Places places;
+  for (const MeshVertex& v : vertices) places.x.push_back(v.x), places.y.push_back(v.y), places.z.push_back(v.z);
+  if (impl_->relation.change && !vertices.empty()) impl_->change_crs(places, first);
+  for (std::size_t i = 0; i < vertices.size(); ++i) out[i] = impl_->place(places.x[i], places.y[i], places.z[i], first + static_cast<std::int64_t>(i));
 }
 
 RasterPoints::RasterPoints(const MeshSource& mesh, const RasterPlane& plane, const Scratch& scratch, std::int64_t limit_bytes, Progress& progress)

@@ -67,13 +67,18 @@ std::array<std::int64_t, 2> columns_in_band(const RasterPoint& a, const RasterPo
 
 MeshFault find_t_junctions(std::span<const BorderEdge> border, RasterPoints& points) {
   const std::vector<BorderVertex> vertices = border_vertices(border, points);
+  constexpr std::int64_t lowest = std::numeric_limits<std::int64_t>::min();
+  const auto first_of = [&](std::int64_t band, std::int64_t column) {
+    return std::lower_bound(vertices.begin(), vertices.end(), BorderVertex{band, column, lowest, lowest});
+  };
   MeshFault found;
   for (const BorderEdge& edge : border) {
     const RasterPoint a = points.at(edge[0]), b = points.at(edge[1]);
-    for (std::int64_t band = band_of(std::min(a.row, b.row)); band <= band_of(std::max(a.row, b.row)); ++band) {
-      const auto [left, right] = columns_in_band(a, b, band);
-      const BorderVertex start{band, left, std::numeric_limits<std::int64_t>::min(), 0};
-      for (auto p = std::lower_bound(vertices.begin(), vertices.end(), start); p != vertices.end() && p->band == band && p->column <= right; ++p)
+    const std::int64_t last = band_of(std::max(a.row, b.row));
+    // Only rows that have vertices: an edge may cross very many.
+    for (auto row = first_of(band_of(std::min(a.row, b.row)), lowest); row != vertices.end() && row->band <= last; row = first_of(row->band + 1, lowest)) {
+      const auto [left, right] = columns_in_band(a, b, row->band);
+      for (auto p = first_of(row->band, left); p != vertices.end() && p->band == row->band && p->column <= right; ++p)
         if (inside_edge(a, b, *p)) found.add(p->vertex);
     }
   }
