@@ -29,9 +29,10 @@ struct RasterPoint {
 ///
 /// CRS: where both are the same, or one is unknown, only the raster's transform counts (without one: x = column, y = -row, the
 /// outer corner of the first cell at 0, 0). Else coordinates are transformed horizontally (PROJ through OGR, axes in the order
-/// east, north; the height that a datum shift sees is 0), and heights stay as they are, unless both CRS name vertical parts that differ. Geocentric coordinates are
-/// transformed with the height: to the raster's CRS with its vertical part, or to ellipsoidal heights where it has none. What counts is
-/// which place of the raster's CRS comes to lie on the vertex: datum shifts and their inverse differ by up to 1 mm.
+/// east, north; the height that a datum shift sees is 0), and heights stay as they are, unless both CRS name vertical parts that
+/// differ. Geocentric coordinates are transformed with the height: to the raster's CRS with its vertical part, or to ellipsoidal
+/// heights where it has none. What counts is which place of the raster's CRS comes to lie on the vertex: datum shifts and their
+/// inverse differ by up to 1 mm.
 ///
 /// Noise: georeferencing rounds places to about 1e-9 of a cell. A column or row that lies within `snap` of a multiple of half a
 /// cell is that multiple; every other is rounded to 2^-30 cell. A height that came through a change of CRS, or from a unit other than the
