@@ -5,11 +5,14 @@
 
 #include "core/support/error.h"
 #include "gis/mesh/dxf.h"
+#include "gis/mesh/gltf.h"
 #include "gis/mesh/landxml.h"
 #include "gis/mesh/obj.h"
 #include "gis/mesh/ply.h"
 #include "gis/mesh/stl.h"
+#include "gis/mesh/tin_layer.h"
 #include "gis/mesh/two_dm.h"
+#include "gis/mesh/ugrid.h"
 
 namespace arete {
 namespace {
@@ -35,6 +38,10 @@ const std::vector<Entry>& entries() {
       {{"2DM", {".2dm"}, "SMS 2DM, exact (hydraulic models, QGIS)", any_units, no_normals, no_texture, two_dm_rounding, write_2dm}, read_2dm},
       {{"DXF", {".dxf"}, "AutoCAD DXF R12, 3DFACE entities, exact (CAD)", metres, no_normals, no_texture, dxf_rounding, write_dxf}, read_dxf},
       {{"LandXML", {".xml", ".landxml"}, "LandXML 1.2, a TIN surface, exact (civil engineering)", metres, no_normals, no_texture, landxml_rounding, write_landxml}, read_landxml},
+      {{"glTF", {".glb", ".gltf"}, "glTF 2.0, 32-bit floats to a millimetre anywhere (Blender, Cesium, browsers)", metres, normals, texture, gltf_rounding, write_gltf}, read_gltf},
+      {{"UGRID", {".nc"}, "NetCDF UGRID 1.0 with its CRS, exact (QGIS mesh layers)", any_units, no_normals, no_texture, ugrid_rounding, write_ugrid}, read_ugrid},
+      {{"GeoPackage", {".gpkg"}, "GeoPackage, a layer of TINs, exact (any GIS)", any_units, no_normals, no_texture, tin_layer_rounding, write_geopackage}, read_geopackage},
+      {{"FlatGeobuf", {".fgb"}, "FlatGeobuf, a layer of TINs, exact (any GIS, the web)", any_units, no_normals, no_texture, tin_layer_rounding, write_flatgeobuf}, read_flatgeobuf},
   };
   // clang-format on
   return all;
