@@ -10,7 +10,7 @@ namespace arete {
 /// glTF 2.0 (Khronos; ISO/IEC 12113:2022): `.glb`, one file, and `.gltf` with a `.bin` beside it.
 ///
 /// glTF is in metres, y up, and holds float32 positions. So that they keep a millimetre anywhere on Earth, the mesh is cut into
-/// nodes of at most 65,535 vertices, each of which lies within +-8,192 units of its translation, which JSON holds as a double.
+/// nodes of at most 65,535 vertices, each of which lies within +-8,192 units (with Draco 4,096) of its translation, a double in JSON.
 ///  - x = east, y = up, z = -north; of a geocentric mesh x = X, y = Z, z = -Y.
 ///  - The root node has the translation of the whole mesh, a multiple of 16 units; the nodes below it have whole units. Both are exact
 ///    in float32 too, for the viewers that read them so. Who wants local coordinates zeroes the translation of the root.
