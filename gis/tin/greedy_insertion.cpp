@@ -1,0 +1,102 @@
+#include "gis/tin/greedy_insertion.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "core/support/error.h"
+#include "gis/tin/heights.h"
+#include "gis/tin/triangle_errors.h"
+
+namespace arete {
+namespace {
+
+/// The worst cell of a triangle, where one is beyond the bound.
+struct Candidate {
+  float error = 0;  ///< metres; 0: every cell keeps the bound
+  std::int32_t row = 0, column = 0;
+};
+
+Candidate worst_cell(const TileMesh& mesh, const TileCells& cells, std::int32_t triangle, const TileBound& bound) {
+  const auto [a, b, c] = mesh.corners(triangle);
+  const TrianglePlane plane = plane_of(mesh, a, b, c);
+  double worst = -1;
+  Candidate candidate;
+  for_each_difference(mesh, cells, a, b, c, plane, [&](double difference, std::int32_t row, std::int32_t column) {
+    if (std::abs(difference) <= worst) return;
+    worst = std::abs(difference);
+    candidate.row = row;
+    candidate.column = column;
+  });
+  if (worst < 0 || worst <= allowance(plane, bound, mesh.units)) return {};
+  candidate.error = std::max(static_cast<float>(worst / plane.area2), std::numeric_limits<float>::min());
+  return candidate;
+}
+
+/// Triangles by the size of their error: eight classes to an octave, from the bits of the float.
+class Waiting {
+ public:
+  void add(std::int32_t triangle, float error) {
+    const std::size_t level = std::bit_cast<std::uint32_t>(error) >> 20;
+    levels_[level].push_back({triangle, error});
+    top_ = std::max(top_, level);
+  }
+  struct Entry {
+    std::int32_t triangle;
+    float error;
+  };
+  bool take(Entry& entry) {
+    while (levels_[top_].empty()) {
+      if (top_ == 0) return false;
+      --top_;
+    }
+    entry = levels_[top_].back();
+    levels_[top_].pop_back();
+    return true;
+  }
+
+ private:
+  std::array<std::vector<Entry>, 1 << 11> levels_;  // of the sign (0), the exponent and three bits
+  std::size_t top_ = 0;
+};
+
+bool is_vertex(const TileMesh& mesh, std::int32_t triangle, const Candidate& candidate) {
+  for (const std::int32_t v : mesh.corners(triangle))
+    if (mesh.x[v] == candidate.column * mesh.units && mesh.y[v] == candidate.row * mesh.units) return true;
+  return false;
+}
+
+}  // namespace
+
+void insert_greedily(TileMesh& mesh, const TileCells& cells, const TileBound& bound) {
+  std::vector<Candidate> candidates;
+  std::vector<std::int32_t> changed;
+  Waiting waiting;
+  for (std::int32_t t = 0; t < mesh.triangles(); ++t) changed.push_back(t);
+  const auto look_at_changed = [&] {
+    std::sort(changed.begin(), changed.end());
+    changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
+    candidates.resize(static_cast<std::size_t>(mesh.triangles()));
+    for (const std::int32_t t : changed) {
+      candidates[t] = worst_cell(mesh, cells, t, bound);
+      if (candidates[t].error > 0) waiting.add(t, candidates[t].error);
+    }
+    changed.clear();
+  };
+  look_at_changed();
+  for (Waiting::Entry entry; waiting.take(entry);) {
+    const Candidate candidate = candidates[entry.triangle];
+    if (candidate.error != entry.error) continue;  // it has changed since
+    if (is_vertex(mesh, entry.triangle, candidate))
+      throw Error(ErrorKind::format, "the terrain is too steep for the coordinates of this format at this --max-error");
+    const double z = round_height(cells(candidate.column, candidate.row), bound.height_step_m);
+    const std::int32_t v = add_vertex(mesh, candidate.column * mesh.units, candidate.row * mesh.units, z, false);
+    insert_vertex(mesh, entry.triangle, v, changed);
+    look_at_changed();
+  }
+}
+
+}  // namespace arete

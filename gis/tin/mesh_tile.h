@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+
+#include "gis/tin/tile_cells.h"
+#include "gis/tin/tile_domain.h"
+#include "gis/tin/tile_mesh.h"
+
+namespace arete {
+
+struct TileOptions {
+  double max_error_m = 1;
+  double height_step_m = 1.0 / 1024;  ///< a power of two
+  double rounding_cells = 0;          ///< as TileBound
+  int passes = 3;                     ///< of simplify(); 0: greedy insertion alone
+};
+
+/// What the cells of a tile lie off its mesh. The outer rows and columns are shared: each tile counts its top row and left
+/// column, and its right column and bottom row where it is the last of its row or column.
+struct TileErrors {
+  double max_error_m = 0;
+  double squares = 0;               ///< sum over the cells, m²
+  std::int64_t cells = 0;           ///< valid ones
+  std::int64_t full_triangles = 0;  ///< two for each four valid cells about a corner, one for three: the mesh without any simplification
+};
+
+struct MeshedTile {
+  TileMesh mesh;  ///< sorted (sort_mesh); no triangles where no cell is valid
+  TileErrors errors;
+};
+
+/// Meshes a tile within the bound: its four sides first, each from its own cells, then greedy insertion, then simplification; and
+/// measures every cell. `last_column`, `last_row`: no tile follows to the right, below. Throws Error{format} as insert_greedily.
+MeshedTile mesh_tile(RasterView<const float> cells, const TileOptions& options, bool last_column, bool last_row);
+
+}  // namespace arete

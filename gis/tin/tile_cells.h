@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/terrain/raster.h"
+
+namespace arete {
+
+/// The cells of a tile, metres, NaN where void. Its outer rows and columns are shared with the neighbours (or are the border of
+/// the raster): what lies on them is settled by the border of the tile alone.
+using TileCells = RasterView<const float>;
+
+/// The bound that a tile is meshed within, in numbers that proofs can compute with. Elevations of cells, elevations of vertices and
+/// the bound are multiples of powers of two, few enough bits long that the plane of a triangle times its area, and its distance
+/// from a cell, are exact in double: where an error equals the bound, no rounding decides.
+struct TileBound {
+  double error_m = 0;                 ///< no cell is further from the mesh than this, vertically
+  double height_step_m = 1.0 / 1024;  ///< elevations of vertices are multiples of this power of two
+  /// What the file format may move a vertex along x and y, in cells: each triangle keeps so much of the bound in reserve as its slope
+  /// makes of it. 0 where the format keeps the coordinates.
+  double rounding_cells = 0;
+};
+
+/// The greatest bound not above `error_m` that has few enough bits.
+double short_bound(double error_m);
+
+/// Elevations are rounded to multiples of 2^-16 m before proofs: an error of at most half of that, none for whole metres and for
+/// floats from 256 m on.
+inline constexpr double cell_step_m = 1.0 / 65536;
+
+}  // namespace arete

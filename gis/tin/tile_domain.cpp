@@ -1,0 +1,165 @@
+#include "gis/tin/tile_domain.h"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "gis/tin/heights.h"
+
+namespace arete {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::int32_t, Kernel>;
+using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel, CGAL::Triangulation_face_base_with_info_2<std::int32_t, Kernel>>;
+using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
+                                                                 CGAL::No_constraint_intersection_tag>;
+
+/// Vertices by their place, and the segments between them that the triangulation must have.
+struct Outline {
+  TileMesh mesh;  ///< vertices only
+  std::unordered_map<std::uint64_t, std::int32_t> index;
+  std::vector<std::pair<std::int32_t, std::int32_t>> segments;
+
+  std::int32_t find(std::int32_t x, std::int32_t y) const {
+    const auto found = index.find(key(x, y));
+    return found == index.end() ? -1 : found->second;
+  }
+  std::int32_t add(std::int32_t x, std::int32_t y, double z) {
+    const auto [place, fresh] = index.try_emplace(key(x, y), mesh.vertices());
+    if (fresh) add_vertex(mesh, x, y, z, true);
+    return place->second;
+  }
+  static std::uint64_t key(std::int32_t x, std::int32_t y) { return std::uint64_t{static_cast<std::uint32_t>(x)} << 32 | static_cast<std::uint32_t>(y); }
+};
+
+bool is_valid(const TileCells& cells, std::int64_t column, std::int64_t row) {
+  return column >= 0 && row >= 0 && column < cells.width && row < cells.height && !is_void(cells(column, row));
+}
+
+/// The mean of the valid cells that meet at a corner of cells, given the cell up and left of it.
+double corner_height(const TileCells& cells, std::int64_t column, std::int64_t row, double step) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}})
+    if (is_valid(cells, column + dx, row + dy)) sum += cells(column + dx, row + dy), ++count;
+  return round_height(sum / count, step);
+}
+
+void add_border(Outline& outline, const TileCells& cells, const TileBorder& border) {
+  const auto right = static_cast<std::int32_t>(cells.width - 1) * outline.mesh.units, bottom = static_cast<std::int32_t>(cells.height - 1) * outline.mesh.units;
+  const auto add = [&](const std::vector<Polyline>& lines, const auto& place) {
+    for (const Polyline& line : lines)
+      for (std::size_t i = 0; i < line.size(); ++i) {
+        const auto [x, y] = place(line[i].at);
+        const std::int32_t v = outline.add(x, y, line[i].z);
+        if (i == 0) continue;
+        const auto [px, py] = place(line[i - 1].at);
+        outline.segments.emplace_back(outline.find(px, py), v);
+      }
+  };
+  using Place = std::pair<std::int32_t, std::int32_t>;
+  add(border.top, [](std::int32_t at) { return Place{at, 0}; });
+  add(border.bottom, [&](std::int32_t at) { return Place{at, bottom}; });
+  add(border.left, [](std::int32_t at) { return Place{0, at}; });
+  add(border.right, [&](std::int32_t at) { return Place{right, at}; });
+}
+
+/// The sides between valid and void cells, straight runs as one segment each. `transposed`: those along rows instead of columns.
+void add_voids(Outline& outline, const TileCells& cells, bool transposed, double step) {
+  const std::int64_t across = transposed ? cells.height : cells.width, along = transposed ? cells.width : cells.height;
+  const std::int32_t units = outline.mesh.units, end = static_cast<std::int32_t>(along - 1) * units;
+  const auto valid = [&](std::int64_t i, std::int64_t j) { return transposed ? is_valid(cells, j, i) : is_valid(cells, i, j); };
+  for (std::int64_t i = 0; i + 1 < across; ++i) {
+    const std::int32_t line = static_cast<std::int32_t>(i) * units + units / 2;
+    const auto vertex = [&](std::int64_t j) {  // at the upper end of cell j
+      const std::int32_t at = std::clamp(static_cast<std::int32_t>(j) * units - units / 2, 0, end);
+      const std::int32_t x = transposed ? at : line, y = transposed ? line : at;
+      const double z = transposed ? corner_height(cells, j - 1, i, step) : corner_height(cells, i, j - 1, step);
+      return outline.add(x, y, z);
+    };
+    for (std::int64_t j = 0; j < along;) {
+      const int side = valid(i, j) - valid(i + 1, j);
+      if (side == 0) {
+        ++j;
+        continue;
+      }
+      const std::int64_t first = j;
+      while (j < along && valid(i, j) - valid(i + 1, j) == side) ++j;
+      outline.segments.emplace_back(vertex(first), vertex(j));
+    }
+  }
+}
+
+Triangulation triangulate(const Outline& outline) {
+  std::vector<std::pair<Kernel::Point_2, std::int32_t>> points;
+  for (std::int32_t v = 0; v < outline.mesh.vertices(); ++v) points.emplace_back(Kernel::Point_2(outline.mesh.x[v], outline.mesh.y[v]), v);
+  Triangulation triangulation;
+  triangulation.insert(points.begin(), points.end());
+  std::vector<Triangulation::Vertex_handle> handles(points.size());
+  for (const auto vertex : triangulation.finite_vertex_handles()) handles[vertex->info()] = vertex;
+  for (const auto& [from, to] : outline.segments) triangulation.insert_constraint(handles[from], handles[to]);
+  return triangulation;
+}
+
+bool is_inside(const Outline& outline, const TileCells& cells, Triangulation::Face_handle face) {
+  double x = 0, y = 0;
+  for (int k = 0; k < 3; ++k) x += outline.mesh.x[face->vertex(k)->info()], y += outline.mesh.y[face->vertex(k)->info()];
+  const double cell = 3.0 * outline.mesh.units;
+  return is_valid(cells, static_cast<std::int64_t>(std::floor(x / cell + 0.5)), static_cast<std::int64_t>(std::floor(y / cell + 0.5)));
+}
+
+/// Gives each fan of triangles about a vertex but the first a vertex of its own.
+void part_fans(TileMesh& mesh) {
+  std::vector<std::uint8_t> taken(mesh.x.size(), 0);
+  for (std::int32_t start = 0; start < static_cast<std::int32_t>(mesh.origin.size()); ++start) {
+    if (mesh.twin[start] >= 0) continue;
+    const std::int32_t v = mesh.origin[start];
+    if (!taken[v]) {
+      taken[v] = 1;
+      continue;
+    }
+    const std::int32_t copy = add_vertex(mesh, mesh.x[v], mesh.y[v], mesh.z[v], mesh.held[v]);
+    for (std::int32_t h = start; h >= 0; h = mesh.twin[previous_edge(h)]) mesh.origin[h] = copy;
+  }
+}
+
+}  // namespace
+
+TileMesh triangulate_domain(const TileCells& cells, const TileBorder& border, double height_step_m) {
+  Outline outline;
+  add_border(outline, cells, border);
+  add_voids(outline, cells, false, height_step_m);
+  add_voids(outline, cells, true, height_step_m);
+  if (outline.mesh.x.empty()) return {};
+
+  const Triangulation triangulation = triangulate(outline);
+  TileMesh mesh = outline.mesh;
+  std::int32_t count = 0;
+  for (const auto face : triangulation.finite_face_handles()) face->info() = is_inside(outline, cells, face) ? count++ : -1;
+  mesh.origin.resize(static_cast<std::size_t>(3 * count));
+  mesh.twin.assign(mesh.origin.size(), -1);
+  mesh.fixed.assign(mesh.origin.size(), 0);
+  for (const auto face : triangulation.finite_face_handles()) {
+    if (face->info() < 0) continue;
+    for (int k = 0; k < 3; ++k) {  // half-edge k leaves corner k; CGAL's edge k is opposite to corner k
+      const std::int32_t h = 3 * face->info() + k;
+      const int opposite = Triangulation::cw(k);
+      mesh.origin[h] = face->vertex(k)->info();
+      const auto neighbour = face->neighbor(opposite);
+      if (triangulation.is_infinite(neighbour) || neighbour->info() < 0) continue;
+      mesh.twin[h] = 3 * neighbour->info() + neighbour->index(face->vertex(Triangulation::ccw(k)));
+      mesh.fixed[h] = face->is_constrained(opposite);
+    }
+  }
+  part_fans(mesh);
+  return mesh;
+}
+
+}  // namespace arete

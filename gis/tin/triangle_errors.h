@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+#include "gis/tin/tile_cells.h"
+#include "gis/tin/tile_mesh.h"
+
+namespace arete {
+
+/// Calls body(row, first, last) for the cells of each row whose centres lie in the closed triangle, the outer rows and columns of
+/// the tile left out. A centre within 1e-7 of a cell from an edge counts for both sides: none is ever left out by both.
+template <class Body>
+void for_each_span(const TileMesh& mesh, const TileCells& cells, std::int32_t a, std::int32_t b, std::int32_t c, Body&& body) {
+  double x0 = mesh.x[a], x1 = mesh.x[b], x2 = mesh.x[c];
+  std::int32_t y0 = mesh.y[a], y1 = mesh.y[b], y2 = mesh.y[c];
+  if (y0 > y1) std::swap(x0, x1), std::swap(y0, y1);
+  if (y1 > y2) std::swap(x1, x2), std::swap(y1, y2);
+  if (y0 > y1) std::swap(x0, x1), std::swap(y0, y1);
+  const std::int32_t units = mesh.units;
+  const std::int32_t top = std::max<std::int32_t>(1, (y0 + units - 1) / units);
+  const std::int32_t bottom = std::min(static_cast<std::int32_t>(cells.height) - 2, y2 / units);
+  if (top > bottom) return;
+  const std::int32_t right_end = static_cast<std::int32_t>(cells.width) - 2;
+  const double cell = 1.0 / units;
+  const double long_slope = (x2 - x0) / (y2 - y0);
+  const double upper_slope = y1 > y0 ? (x1 - x0) / (y1 - y0) : 0, lower_slope = y2 > y1 ? (x2 - x1) / (y2 - y1) : 0;
+  constexpr double near = 1e-7;
+  for (std::int32_t row = top; row <= bottom; ++row) {
+    const std::int32_t y = row * units;
+    double left = x0 + long_slope * (y - y0);
+    double right = y < y1 ? x0 + upper_slope * (y - y0) : x1 + lower_slope * (y - y1);
+    if (left > right) std::swap(left, right);
+    const std::int32_t first = std::max(1, static_cast<std::int32_t>(left * cell + (1 - near)));
+    const std::int32_t last = std::min(right_end, static_cast<std::int32_t>(right * cell + near));
+    if (first <= last) body(row, first, last);
+  }
+}
+
+/// The plane through three vertices times twice the area of their triangle, about the first vertex:
+/// area2 z(x, y) = area2 z(a) + along_x (x - x(a)) + along_y (y - y(a)). Whole numbers times the height step: exact.
+struct TrianglePlane {
+  double area2, height, along_x, along_y;
+};
+
+inline TrianglePlane plane_of(const TileMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c) {
+  const double bx = mesh.x[b] - mesh.x[a], by = mesh.y[b] - mesh.y[a], cx = mesh.x[c] - mesh.x[a], cy = mesh.y[c] - mesh.y[a];
+  const double bz = mesh.z[b] - mesh.z[a], cz = mesh.z[c] - mesh.z[a];
+  const double area2 = bx * cy - by * cx;
+  return {area2, area2 * mesh.z[a], bz * cy - cz * by, cz * bx - bz * cx};
+}
+
+/// How much of the bound a triangle has for its cells, times twice its area.
+inline double allowance(const TrianglePlane& plane, const TileBound& bound, int units) {
+  return plane.area2 * bound.error_m - bound.rounding_cells * units * (std::abs(plane.along_x) + std::abs(plane.along_y));
+}
+
+/// Calls body(difference, row, column) for each cell of a triangle: twice its area times the height of its plane over the cell.
+template <class Body>
+void for_each_difference(const TileMesh& mesh, const TileCells& cells, std::int32_t a, std::int32_t b, std::int32_t c,
+                         const TrianglePlane& plane, Body&& body) {
+  const double step = plane.along_x * mesh.units;
+  for_each_span(mesh, cells, a, b, c, [&](std::int32_t row, std::int32_t first, std::int32_t last) {
+    const float* heights = cells.row(row);
+    double height = plane.height + plane.along_y * (row * mesh.units - mesh.y[a]) + plane.along_x * (first * mesh.units - mesh.x[a]);
+    for (std::int32_t column = first; column <= last; ++column, height += step)
+      body(height - plane.area2 * heights[column], row, column);
+  });
+}
+
+/// Whether every cell of the triangle keeps the bound, exactly; and the sum of its squared errors, m².
+struct TriangleFit {
+  bool keeps = true;
+  double squares = 0;
+};
+
+inline TriangleFit fit_of(const TileMesh& mesh, const TileCells& cells, std::int32_t a, std::int32_t b, std::int32_t c, const TileBound& bound) {
+  const TrianglePlane plane = plane_of(mesh, a, b, c);
+  double worst = 0, squares = 0;
+  for_each_difference(mesh, cells, a, b, c, plane, [&](double difference, std::int32_t, std::int32_t) {
+    worst = std::max(worst, std::abs(difference));
+    squares += difference * difference;
+  });
+  return {worst <= allowance(plane, bound, mesh.units), squares / (plane.area2 * plane.area2)};
+}
+
+}  // namespace arete
