@@ -1,18 +1,41 @@
 #include "tools/elevation_input.h"
 
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "core/support/error.h"
 #include "core/tree/elevation_tree.h"
 #include "gis/crs.h"
 #include "gis/dictionary_search.h"
 
 namespace arete::tools {
+namespace {
 
-ElevationInput open_elevations(const std::string& path, const DemReadOptions& options, int threads) {
+class TreeLevel final : public RasterSource {
+ public:
+  TreeLevel(ElevationTree tree, int level) : tree_(std::move(tree)), level_(level) {}
+  Size size() const override { return tree_.level_size(level_); }
+  void read(const Window& window, RasterView<float> out) const override { tree_.read_level(level_, window, out); }
+
+ private:
+  ElevationTree tree_;
+  int level_;
+};
+
+}  // namespace
+
+ElevationInput open_elevations(const std::string& path, const DemReadOptions& options, int threads, int level) {
   if (is_tree_file(path)) {
-    auto tree = std::make_unique<ElevationTree>(ElevationTree::open(path, threads, dictionary_finder(path)));
-    GeoReference geo = tree->header().geo;
+    ElevationTree tree = ElevationTree::open(path, threads, dictionary_finder(path));
+    if (level > tree.levels())
+      throw Error(ErrorKind::usage, fmt::format("'{}' has levels 0 to {}, --level {} is beyond them", path, tree.levels(), level));
+    GeoReference geo = tree.header().geo;
     geo.crs_wkt = expand_crs(geo.crs_wkt);
-    return {std::move(tree), geo};
+    for (int l = 0; l < level; ++l) geo = coarsen(geo, 2);
+    return {std::make_unique<TreeLevel>(std::move(tree), level), geo};
   }
+  if (level > 0) throw Error(ErrorKind::usage, fmt::format("--level is of trees (.sct), '{}' is a DEM: leave it out", path));
   auto dem = std::make_unique<DemReader>(path, options);
   GeoReference geo = dem->georeference();
   return {std::move(dem), geo};

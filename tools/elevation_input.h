@@ -15,7 +15,8 @@ struct ElevationInput {
   GeoReference geo;
 };
 
-/// Throws as DemReader and ElevationTree.
-ElevationInput open_elevations(const std::string& path, const DemReadOptions& options, int threads);
+/// A tree at that level, each of which has half the cells along each side. Throws as DemReader and ElevationTree, and Error{usage} where
+/// there is no such level.
+ElevationInput open_elevations(const std::string& path, const DemReadOptions& options, int threads, int level = 0);
 
 }  // namespace arete::tools

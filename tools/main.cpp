@@ -79,6 +79,7 @@ int main(int argc, char** argv) {
   arete::tools::add_preview(app, common);
   arete::tools::add_compress(app, common);
   arete::tools::add_decompress(app, common);
+  arete::tools::add_tin(app, common);
   arete::tools::add_sample(app, common);
   arete::tools::add_verify(app, common);
   arete::tools::add_bench(app, common);

@@ -16,6 +16,7 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_demo(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_compress(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_decompress(CLI::App& app, std::shared_ptr<CommonOptions> common);
+void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_sample(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_verify(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_bench(CLI::App& app, std::shared_ptr<CommonOptions> common);

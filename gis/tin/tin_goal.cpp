@@ -1,0 +1,99 @@
+#include "gis/tin/tin_goal.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "core/support/error.h"
+
+namespace arete {
+namespace {
+
+constexpr int most_tries = 16;
+constexpr double least_bound_m = 1e-4, greatest_bound_m = 1e5;
+
+/// A quantity of TINs that falls, or rises, with their bound, and what it is to be.
+struct Goal {
+  std::function<double(const TinReport&)> measure;
+  bool falls;        ///< with a larger bound
+  double most;       ///< it must not be above this
+  double least;      ///< and is best not below this
+};
+
+/// Bounds between which the goal lies, with the logarithm of the measure over the goal there.
+struct End {
+  double bound, off;
+};
+
+/// A bound where a line through the ends, in logarithms, meets the goal; kept inside so that the ends close in from both sides.
+double between(const End& low, const End& high) {
+  const double share = std::clamp(low.off / (low.off - high.off), 0.05, 0.95);
+  return std::exp(std::log(low.bound) + share * (std::log(high.bound) - std::log(low.bound)));
+}
+
+Tin search(const RasterSource& raster, const Goal& goal, TinOptions options, Progress& progress) {
+  const double aim = std::sqrt(goal.most * goal.least);
+  std::optional<End> low, high;  // bounds too small and too large for the goal
+  std::optional<Tin> best;
+  double bound = options.max_error_m;
+  for (int tried = 0; tried < most_tries; ++tried) {
+    options.max_error_m = bound;
+    options.height_step_m = std::min(options.height_step_m, height_step(bound));
+    Tin tin = make_tin(raster, options, progress);
+    const double measure = goal.measure(tin.report);
+    const bool allowed = measure <= goal.most, near = measure >= goal.least;
+    if (allowed && (!best || measure > goal.measure(best->report))) best = std::move(tin);
+    if (allowed && near) return std::move(*best);
+    const double off = std::log(std::max(measure, 1e-9) / aim);
+    const bool too_small = goal.falls ? measure > goal.most : allowed;
+    (too_small ? low : high) = End{bound, off};
+    if (low && high) {
+      if (high->bound / low->bound < 1 + 1e-9) break;
+      bound = between(*low, *high);
+    } else {
+      const double factor = std::clamp(std::exp(std::abs(off)), 1.1, 8.0);
+      bound = too_small ? bound * factor : bound / factor;
+      if (bound > greatest_bound_m || bound < least_bound_m) break;
+    }
+  }
+  if (!best) throw Error(ErrorKind::usage, "no bound between 0.0001 and 100000 m reaches this goal");
+  return std::move(*best);
+}
+
+double first_bound(const RasterSource& raster, const TinOptions& options) {
+  if (options.max_error_m > 0) return options.max_error_m;
+  const Size size = raster.size();
+  const Window middle{size.width / 2 - std::min<std::int64_t>(size.width, 512) / 2, size.height / 2 - std::min<std::int64_t>(size.height, 512) / 2,
+                      std::min<std::int64_t>(size.width, 512), std::min<std::int64_t>(size.height, 512)};
+  Raster<float> cells(middle.width, middle.height);
+  raster.read(middle, cells.view());
+  float low = 0, high = 0;
+  bool any = false;
+  for (std::int64_t i = 0; i < middle.size().cells(); ++i) {
+    const float h = cells.data()[i];
+    if (is_void(h)) continue;
+    low = any ? std::min(low, h) : h, high = any ? std::max(high, h) : h;
+    any = true;
+  }
+  return std::max(0.01, (static_cast<double>(high) - low) / 100);
+}
+
+}  // namespace
+
+Tin make_tin_of_triangles(const RasterSource& raster, std::int64_t triangles, TinOptions options, Progress& progress) {
+  options.max_error_m = first_bound(raster, options);
+  const Goal goal{[](const TinReport& report) { return static_cast<double>(report.triangles); }, true, static_cast<double>(triangles),
+                  0.99 * static_cast<double>(triangles)};
+  Tin tin = search(raster, goal, options, progress);
+  return tin;
+}
+
+Tin make_tin_of_rmse(const RasterSource& raster, double rmse_m, TinOptions options, Progress& progress) {
+  options.max_error_m = options.max_error_m > 0 ? options.max_error_m : 3 * rmse_m;
+  return search(raster, {[](const TinReport& report) { return report.rmse_m; }, false, rmse_m, 0.98 * rmse_m}, options, progress);
+}
+
+}  // namespace arete

@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "core/terrain/statistics.h"
+#include "gis/crs.h"
+#include "gis/dem_file.h"
+#include "gis/mesh/mesh_format.h"
+#include "gis/staged_files.h"
+#include "gis/tin/make_tin.h"
+#include "gis/tin/placed_mesh.h"
+#include "gis/tin/tin_goal.h"
+#include "tools/command.h"
+#include "tools/dem_options.h"
+#include "tools/elevation_input.h"
+#include "tools/mesh_report.h"
+#include "tools/verbs.h"
+
+namespace arete::tools {
+namespace {
+
+struct TinArguments {
+  std::string input, output, crs;
+  DemReadOptions dem;
+  double max_error = 0, rmse = 0;
+  std::int64_t max_triangles = 0;
+  int level = 0, passes = 3;
+  bool normals = false, draco = false;
+};
+
+// Elevations on Earth, from which a format's rounding is foreseen before any is read.
+constexpr double lowest_m = -11000, highest_m = 9000;
+constexpr double least_error_m = 1e-4;
+
+std::string target_crs(const std::string& name) {
+  if (name.empty() || name == "utm") return "";
+  return crs_wkt(name == "ecef" ? "EPSG:4978" : name);
+}
+
+/// What the format leaves of the bound, and the step of elevations that it holds exactly.
+struct FormatBound {
+  double taken_m = 0;          ///< of the bound, by rounding of elevations
+  double rounding_cells = 0;
+  bool holds_steps = true;     ///< elevations that are multiples of 2^-10 come back exactly
+};
+
+FormatBound bound_of(const MeshFormat& format, const PlacedMesh& plane, const MeshWriteOptions& writing) {
+  const MeshRounding rounding = format.rounding(plane.bounds_of_raster(lowest_m, highest_m), writing);
+  FormatBound bound;
+  bound.taken_m = plane.height_noise_m();
+  bound.rounding_cells = rounding.horizontal / plane.cell_units();
+  bound.holds_steps = rounding.vertical > 0;
+  const double vertical_m = rounding.vertical * plane.frame().metres_per_unit;
+  // Half a step of 2^-10 m and less: the multiples of 2^-10 are among the numbers that the format has.
+  if (vertical_m > 1.0 / 2048 || plane.height_noise_m() > 0) bound.taken_m += vertical_m;
+  return bound;
+}
+
+Tin make(const RasterSource& raster, const TinArguments& arguments, TinOptions options, const FormatBound& format, Progress& progress) {
+  options.height_step_m = 1.0 / 1024;
+  if (arguments.max_error > 0) {
+    if (!format.holds_steps) options.height_step_m = height_step(arguments.max_error);
+    const double least = std::max(least_error_m, format.taken_m + (format.holds_steps ? options.height_step_m : 0));
+    if (arguments.max_error < least)
+      throw Error(ErrorKind::usage, fmt::format("--max-error {} m is finer than '{}' can hold: its smallest is {:.4g} m", arguments.max_error, arguments.output, least));
+    options.max_error_m = arguments.max_error - format.taken_m;
+    return make_tin(raster, options, progress);
+  }
+  options.max_error_m = 0;
+  if (arguments.max_triangles > 0) return make_tin_of_triangles(raster, arguments.max_triangles, options, progress);
+  return make_tin_of_rmse(raster, arguments.rmse, options, progress);
+}
+
+std::string describe(const TinArguments& arguments, const TinReport& report, double proven_m) {
+  return fmt::format("{}: {} triangles, {} vertices: {:.3g} % of the full grid's {}\nproven: no cell is further off than {:.6g} m; RMSE {:.4g} m over {} cells\n",
+                     arguments.output, grouped(report.triangles), grouped(report.vertices),
+                     100.0 * static_cast<double>(report.triangles) / static_cast<double>(std::max<std::int64_t>(1, report.full_triangles)),
+                     grouped(report.full_triangles), proven_m, report.rmse_m, grouped(report.cells));
+}
+
+void run_tin(const TinArguments& arguments, const CommonOptions& common) {
+  const MeshFormat& format = mesh_format_of(arguments.output);
+  if (arguments.normals && !format.holds_normals) throw Error(ErrorKind::usage, format.name + " holds no normals: leave --normals out, or write PLY, OBJ or glTF");
+  if (arguments.draco && format.name != "glTF") throw Error(ErrorKind::usage, "--draco is of glTF: name the output .glb or .gltf");
+  StagedFiles staged(arguments.output, common.overwrite);
+  const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads, arguments.level);
+  limit_block_cache(common.memory_bytes / 8);
+
+  MeshWriteOptions writing;
+  writing.title = fmt::format("TIN of {} by arete {}", std::filesystem::path(arguments.input).filename().string(), ARETE_VERSION);
+  writing.normals = arguments.normals;
+  writing.compress = arguments.draco;
+  writing.memory_bytes = common.memory_bytes / 4;
+  const MeshPlacement placement{target_crs(arguments.crs), format.metric || arguments.crs == "utm"};
+  const MeshStore nothing;
+  const FormatBound bound = bound_of(format, PlacedMesh(nothing, input.geo, input.source->size(), placement), writing);
+
+  TinOptions options;
+  options.passes = arguments.passes;
+  options.rounding_cells = bound.rounding_cells;
+  options.threads = common.threads;
+  options.scratch = {common.memory_bytes / 2, std::filesystem::absolute(arguments.output).parent_path().string()};
+  const auto progress = make_progress(common);
+  const Tin tin = make(*input.source, arguments, options, bound, *progress);
+  const PlacedMesh mesh(tin.mesh, input.geo, input.source->size(), placement);
+  progress->begin("writing", 0);
+  format.write(mesh, mesh.frame(), staged.staged(), writing);
+  progress->end();
+  staged.publish();
+
+  const TinReport& report = tin.report;
+  const double proven_m = bound.rounding_cells > 0 && arguments.max_error > 0 ? arguments.max_error : report.max_error_m + bound.taken_m;
+  print_result(common, describe(arguments, report, proven_m),
+               {{"output", arguments.output}, {"format", format.name}, {"max_error_m", proven_m}, {"rmse_m", report.rmse_m}, {"vertices", report.vertices},
+                {"triangles", report.triangles}, {"cells", report.cells}, {"full_triangles", report.full_triangles}, {"crs", summarise_crs(mesh.frame().crs_wkt).authority}});
+}
+
+}  // namespace
+
+void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
+  const auto arguments = std::make_shared<TinArguments>();
+  CLI::App* verb = add_verb(app, "tin", "Turn a DEM or a tree (.sct) into a triangle mesh (TIN) whose vertical error is proven",
+                            "arete tin dem.tif mesh.ply --max-error 5\narete tin dem.tif mesh.glb --max-triangles 100000 --normals", common,
+                            [arguments, common] { run_tin(*arguments, *common); });
+  std::string formats;
+  for (const MeshFormat& format : mesh_formats())
+    for (const std::string& extension : format.extensions) formats += (formats.empty() ? "" : " ") + extension;
+  verb->add_option("IN", arguments->input, "The DEM, anything that GDAL opens, or a tree (.sct)")->required();
+  verb->add_option("OUT", arguments->output, "The mesh, by its extension: " + formats)->required();
+  CLI::Option_group* target = verb->add_option_group("target", "What the mesh must reach; one of them");
+  target->add_option("--max-error", arguments->max_error, "No cell is further from the mesh than this, vertically, in metres")->check(above_zero());
+  target->add_option("--max-triangles", arguments->max_triangles, "The most faithful mesh of at most this many triangles")->check(CLI::Range(std::int64_t{2}, std::int64_t{1} << 40));
+  target->add_option("--rmse", arguments->rmse, "The smallest mesh with a root mean square error of at most this, in metres")->check(above_zero());
+  target->require_option(1);
+  verb->add_option("--crs", arguments->crs,
+                   "Coordinates in this CRS: EPSG:32632, WKT, 'utm' (the zone of the DEM) or 'ecef' (default: the DEM's; for OBJ, STL, DXF, LandXML and glTF of a "
+                   "DEM in degrees: utm)");
+  verb->add_option("--level", arguments->level, "Of a tree: 0 is the raster; each level more halves the cells along each side")->check(CLI::Range(0, 40));
+  verb->add_option("--passes", arguments->passes, "Passes of simplification: 0 leaves greedy insertion as it is, more than the default of 3 gain little")
+      ->check(CLI::Range(0, 20));
+  verb->add_flag("--normals", arguments->normals, "A normal for each vertex (PLY, OBJ, glTF)");
+  verb->add_flag("--draco", arguments->draco, "Compress with Draco (glTF)");
+  add_dem_options(verb, arguments->dem);
+}
+
+}  // namespace arete::tools
