@@ -84,7 +84,7 @@ FileReport describe_mesh_errors(const MeshErrors& errors, const MeshCheckOptions
                     {"degenerate", to_json(errors.degenerate)},
                     {"clockwise", to_json(errors.clockwise)},
                     {"t_junctions", to_json(errors.t_junctions)},
-                    {"duplicate_vertices", to_json(errors.duplicate_vertices)},
+                    {"cracks", to_json(errors.cracks)},
                     {"area_cells", errors.area_cells},
                     {"domain_cells", errors.domain_cells},
                     {"area_exact", errors.area_sign == 0},

@@ -269,7 +269,7 @@ MeshErrors check_mesh(const MeshSource& mesh, const MeshFrame& frame, const Rast
   std::vector<BorderEdge> border;
   errors.topology = mesh_topology(mesh, memory / 2, progress, &border);
   errors.t_junctions = find_t_junctions(border, points);
-  errors.duplicate_vertices = find_duplicate_vertices(points, memory / 4, progress);
+  errors.cracks = find_cracks(border, points);
   return errors;
 }
 
@@ -303,7 +303,7 @@ std::vector<std::string> faults_of(const MeshErrors& errors, const MeshCheckOpti
     lines.push_back("the triangles cover " + number(errors.area_cells) + " cells, the valid cells of the DEM " + number(errors.domain_cells));
   if (errors.topology.non_manifold_edges > 0) lines.push_back(std::to_string(errors.topology.non_manifold_edges) + " edges are not manifold");
   parts(errors.t_junctions, "vertices lie inside an edge of the border");
-  parts(errors.duplicate_vertices, "vertices lie where another does");
+  parts(errors.cracks, "edges of the border lie on another's place: the mesh is cracked");
   return lines;
 }
 

@@ -50,7 +50,7 @@ struct MeshErrors {
   double domain_cells = 0;           ///< area of the squares of the valid cells within the rectangle of the outermost cell centres
   int area_sign = 0;                 ///< the sign of area - domain, exactly
   MeshTopology topology;
-  MeshFault t_junctions, duplicate_vertices;
+  MeshFault t_junctions, cracks;
 
   double psnr_db() const;            ///< 20 log10((high - low) / RMSE); +infinity where the RMSE is 0
 };

@@ -4,11 +4,10 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
-#include "core/support/random.h"
 #include "gis/mesh/exact.h"
-#include "gis/mesh/mesh_blocks.h"
 
 namespace arete {
 namespace {
@@ -85,58 +84,25 @@ MeshFault find_t_junctions(std::span<const BorderEdge> border, RasterPoints& poi
   return found;
 }
 
-namespace {
-
-std::uint64_t hash_of(const RasterPoint& p) { return hash_position(0, static_cast<std::uint64_t>(p.column), static_cast<std::uint64_t>(p.row)); }
-
-template <class Visit>
-void for_points(const RasterPoints& points, const Visit& visit) {
-  std::vector<RasterPoint> block;
-  for (std::int64_t first = 0; first < points.size(); first += mesh_block) {
-    block.resize(static_cast<std::size_t>(std::min(mesh_block, points.size() - first)));
-    points.read(first, block);
-    for (std::size_t i = 0; i < block.size(); ++i) visit(first + static_cast<std::int64_t>(i), block[i]);
-  }
-}
-
-/// The hashes that more than one point has, sorted.
-std::vector<std::uint64_t> repeated_hashes(const RasterPoints& points, std::int64_t memory_bytes, Progress& progress) {
-  const auto passes = static_cast<std::uint64_t>(points.size() * 8 / std::max<std::int64_t>(memory_bytes, 1 << 20) + 1);
-  std::vector<std::uint64_t> repeated, hashes;
-  progress.begin("Sorting vertices", static_cast<std::int64_t>(passes));
-  for (std::uint64_t pass = 0; pass < passes; ++pass) {
-    hashes.clear();
-    for_points(points, [&](std::int64_t, const RasterPoint& p) {
-      const std::uint64_t hash = hash_of(p);
-      if (passes == 1 || hash % passes == pass) hashes.push_back(hash);
-    });
-    std::sort(hashes.begin(), hashes.end());
-    for (std::size_t i = 1; i < hashes.size(); ++i)
-      if (hashes[i] == hashes[i - 1] && (repeated.empty() || repeated.back() != hashes[i])) repeated.push_back(hashes[i]);
-    progress.advance(1);
-  }
-  progress.end();
-  std::sort(repeated.begin(), repeated.end());
-  return repeated;
-}
-
-}  // namespace
-
-MeshFault find_duplicate_vertices(const RasterPoints& points, std::int64_t memory_bytes, Progress& progress) {
-  MeshFault found;
-  const std::vector<std::uint64_t> repeated = repeated_hashes(points, memory_bytes, progress);
-  if (repeated.empty()) return found;
-  struct Place {
-    std::int64_t column, row, vertex;
-    bool operator<(const Place& other) const { return std::array{column, row, vertex} < std::array{other.column, other.row, other.vertex}; }
+MeshFault find_cracks(std::span<const BorderEdge> border, RasterPoints& points) {
+  using Place = std::array<std::int64_t, 2>;
+  struct Edge {
+    std::array<Place, 2> ends;  // the lesser first
+    std::int64_t vertex;
+    bool operator<(const Edge& other) const { return ends != other.ends ? ends < other.ends : vertex < other.vertex; }
   };
-  std::vector<Place> places;
-  for_points(points, [&](std::int64_t index, const RasterPoint& p) {
-    if (std::binary_search(repeated.begin(), repeated.end(), hash_of(p))) places.push_back({p.column, p.row, index});
-  });
-  std::sort(places.begin(), places.end());
-  for (std::size_t i = 1; i < places.size(); ++i)
-    if (places[i].column == places[i - 1].column && places[i].row == places[i - 1].row) found.add(places[i].vertex);
+  std::vector<Edge> edges;
+  edges.reserve(border.size());
+  for (const BorderEdge& edge : border) {
+    const RasterPoint a = points.at(edge[0]), b = points.at(edge[1]);
+    std::array<Place, 2> ends{Place{a.column, a.row}, Place{b.column, b.row}};
+    if (ends[1] < ends[0]) std::swap(ends[0], ends[1]);
+    edges.push_back({ends, edge[0]});
+  }
+  std::sort(edges.begin(), edges.end());
+  MeshFault found;
+  for (std::size_t i = 1; i < edges.size(); ++i)
+    if (edges[i].ends == edges[i - 1].ends) found.add(edges[i].vertex);
   return found;
 }
 

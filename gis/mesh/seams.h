@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <span>
 
-#include "core/support/progress.h"
 #include "gis/mesh/raster_plane.h"
 #include "gis/mesh/topology.h"
 
@@ -22,8 +21,9 @@ struct MeshFault {
 /// vertex counts once for each edge. In memory: about 60 bytes per border edge.
 MeshFault find_t_junctions(std::span<const BorderEdge> border, RasterPoints& points);
 
-/// Vertices at the column and row of an earlier one, whatever their heights. Exact. Sorts 8 bytes per vertex, in passes where they exceed
-/// memory_bytes.
-MeshFault find_duplicate_vertices(const RasterPoints& points, std::int64_t memory_bytes, Progress& progress);
+/// Border edges that lie, end on end, where an earlier one does: two parts of a mesh that touch along it without hanging together. Exact;
+/// heights do not count. Vertices of their own where two parts touch at a corner only are none. In memory: about 50 bytes per border edge.
+/// `first` is the vertex that the edge leaves.
+MeshFault find_cracks(std::span<const BorderEdge> border, RasterPoints& points);
 
 }  // namespace arete

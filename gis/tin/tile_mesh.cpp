@@ -76,11 +76,16 @@ void split_edge(TileMesh& mesh, std::int32_t edge, std::int32_t vertex, std::vec
   if (fixed) mesh.held[vertex] = 1;
   const std::int32_t apex = mesh.origin[previous_edge(edge)], right = mesh.origin[edge], left = mesh.origin[next_edge(edge)];
   const Outer to_left = outer(mesh, next_edge(edge)), to_right = outer(mesh, previous_edge(edge));
-  std::vector<std::int32_t> made;
+  const auto push = [&](std::initializer_list<std::int32_t> made) {
+    for (const std::int32_t t : made) {
+      stack.push_back(3 * t);
+      changed.push_back(t);
+    }
+  };
   if (twin < 0) {
     const std::int32_t first = put_triangle(mesh, edge / 3, {apex, right, vertex}, {to_right, {-1, fixed}, {}});
     const std::int32_t second = put_triangle(mesh, -1, {left, apex, vertex}, {to_left, {3 * first + 2, 0}, {-1, fixed}});
-    made = {first, second};
+    push({first, second});
   } else {
     const std::int32_t beyond = mesh.origin[previous_edge(twin)];
     const Outer from_right = outer(mesh, next_edge(twin)), from_left = outer(mesh, previous_edge(twin));
@@ -88,11 +93,7 @@ void split_edge(TileMesh& mesh, std::int32_t edge, std::int32_t vertex, std::vec
     const std::int32_t second = put_triangle(mesh, twin / 3, {right, beyond, vertex}, {from_right, {}, {3 * first + 1, fixed}});
     const std::int32_t third = put_triangle(mesh, -1, {beyond, left, vertex}, {from_left, {-1, fixed}, {3 * second + 1, 0}});
     const std::int32_t fourth = put_triangle(mesh, -1, {left, apex, vertex}, {to_left, {3 * first + 2, 0}, {3 * third + 1, fixed}});
-    made = {first, second, third, fourth};
-  }
-  for (const std::int32_t t : made) {
-    stack.push_back(3 * t);
-    changed.push_back(t);
+    push({first, second, third, fourth});
   }
 }
 

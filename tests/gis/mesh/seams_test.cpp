@@ -2,29 +2,42 @@
 
 #include <gtest/gtest.h>
 
-#include "core/support/random.h"
 #include "tests/gis/mesh/test_mesh.h"
 
 namespace arete {
 namespace {
 
 struct Seams {
-  MeshFault t_junctions, duplicates;
+  MeshFault t_junctions, cracks;
 };
 
-Seams seams_of(const TestMesh& mesh, std::int64_t memory = std::int64_t{1} << 30) {
+Seams seams_of(const TestMesh& mesh) {
   NoProgress silent;
   const MeshStore store = mesh.store();
   RasterPoints points(store, RasterPlane({}, {}), {}, std::int64_t{1} << 30, silent);
   std::vector<BorderEdge> border;
   mesh_topology(store, std::int64_t{1} << 30, silent, &border);
-  return {find_t_junctions(border, points), find_duplicate_vertices(points, memory, silent)};
+  return {find_t_junctions(border, points), find_cracks(border, points)};
 }
 
 TEST(FindTJunctions, AGridHasNone) {
   const Seams seams = seams_of(grid_mesh(Raster<float>(20, 30, 1.0f).view(), 3));
   EXPECT_EQ(seams.t_junctions.count, 0);
-  EXPECT_EQ(seams.duplicates.count, 0);
+  EXPECT_EQ(seams.cracks.count, 0);
+}
+
+TEST(FindCracks, FindsTwoPartsSideBySide) {
+  TestMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {8, 0, 0}, {0, -8, 0}, {8, 0, 3}, {0, -8, 3}, {8, -8, 3}};
+  mesh.triangles = {{0, 2, 1}, {3, 4, 5}};
+  EXPECT_EQ(seams_of(mesh).cracks.count, 1);
+}
+
+TEST(FindCracks, TwoPartsThatTouchAtACornerHaveNone) {
+  TestMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {8, 0, 0}, {8, 8, 0}, {8, 0, 0}, {16, 0, 0}, {8, -8, 0}};
+  mesh.triangles = {{0, 1, 2}, {3, 5, 4}};
+  EXPECT_EQ(seams_of(mesh).cracks.count, 0);
 }
 
 /// A triangle whose long side meets two that share a vertex in its middle.
@@ -48,18 +61,6 @@ TEST(FindTJunctions, AVertexBesideTheEdgeIsNone) {
   TestMesh mesh = crack(2000, -3000, 2064, -2968);
   mesh.vertices[3].y -= 0x1p-18;
   EXPECT_EQ(seams_of(mesh).t_junctions.count, 0);
-}
-
-TEST(FindDuplicateVertices, FindsThemInAnyNumberOfPasses) {
-  TestMesh mesh = grid_mesh(Raster<float>(700, 600, 1.0f).view(), 1);
-  mesh.vertices.push_back(mesh.vertices[1234]);
-  mesh.vertices.push_back(mesh.vertices[400000]);
-  mesh.vertices.back().z += 5;
-  for (const std::int64_t memory : {std::int64_t{1} << 20, std::int64_t{1} << 30}) {
-    const Seams seams = seams_of(mesh, memory);
-    EXPECT_EQ(seams.duplicates.count, 2);
-    EXPECT_EQ(seams.duplicates.first, 420000);
-  }
 }
 
 }  // namespace
