@@ -45,16 +45,21 @@ std::string target_crs(const std::string& name) {
 /// What the format leaves of the bound, and the step of elevations that it holds exactly.
 struct FormatBound {
   double taken_m = 0;          ///< of the bound, by rounding of elevations
-  double rounding_cells = 0;
-  bool holds_steps = true;     ///< elevations that are multiples of 2^-10 come back exactly
+  Displacement displacement;
+  bool fixed_step = false;     ///< elevations must be multiples of 2^-10 m to come back exactly
 };
 
-FormatBound bound_of(const MeshFormat& format, const PlacedMesh& plane, const MeshWriteOptions& writing) {
+FormatBound bound_of(const MeshFormat& format, const PlacedMesh& plane, const MeshWriteOptions& writing, double max_error_m) {
   const MeshRounding rounding = format.rounding(plane.bounds_of_raster(lowest_m, highest_m), writing);
   FormatBound bound;
   bound.taken_m = plane.height_noise_m();
-  bound.rounding_cells = rounding.horizontal / plane.cell_units();
-  bound.holds_steps = rounding.vertical > 0;
+  bound.displacement = plane.displacement(max_error_m);
+  bound.displacement.rounding_cells = rounding.horizontal / plane.cell_units();
+  // glTF halves edges that are too long for its floats; in another plane than the DEM's, halves of the border would leave it.
+  constexpr double longest_in_gltf = 4000;
+  if (format.name == "glTF" && bound.displacement.longest_cells != any_length)
+    bound.displacement.longest_cells = std::max(4.0, std::min(bound.displacement.longest_cells, longest_in_gltf / plane.cell_units()));
+  bound.fixed_step = rounding.vertical > 0;
   const double vertical_m = rounding.vertical * plane.frame().metres_per_unit;
   // Half a step of 2^-10 m and less: the multiples of 2^-10 are among the numbers that the format has.
   if (vertical_m > 1.0 / 2048 || plane.height_noise_m() > 0) bound.taken_m += vertical_m;
@@ -62,10 +67,9 @@ FormatBound bound_of(const MeshFormat& format, const PlacedMesh& plane, const Me
 }
 
 Tin make(const RasterSource& raster, const TinArguments& arguments, TinOptions options, const FormatBound& format, Progress& progress) {
-  options.height_step_m = 1.0 / 1024;
+  if (format.fixed_step) options.height_step_m = 1.0 / 1024;
   if (arguments.max_error > 0) {
-    if (!format.holds_steps) options.height_step_m = height_step(arguments.max_error);
-    const double least = std::max(least_error_m, format.taken_m + (format.holds_steps ? options.height_step_m : 0));
+    const double least = std::max(least_error_m, format.taken_m + options.height_step_m);
     if (arguments.max_error < least)
       throw Error(ErrorKind::usage, fmt::format("--max-error {} m is finer than '{}' can hold: its smallest is {:.4g} m", arguments.max_error, arguments.output, least));
     options.max_error_m = arguments.max_error - format.taken_m;
@@ -98,13 +102,15 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   writing.memory_bytes = common.memory_bytes / 4;
   const MeshPlacement placement{target_crs(arguments.crs), format.metric || arguments.crs == "utm"};
   const MeshStore nothing;
-  const FormatBound bound = bound_of(format, PlacedMesh(nothing, input.geo, input.source->size(), placement), writing);
+  // How long edges may be depends on the bound; where that is still to be found, on a metre.
+  const double bend_error = arguments.max_error > 0 ? arguments.max_error : 1;
+  const FormatBound bound = bound_of(format, PlacedMesh(nothing, input.geo, input.source->size(), placement), writing, bend_error);
 
   TinOptions options;
   options.passes = arguments.passes;
-  options.rounding_cells = bound.rounding_cells;
+  options.displacement = bound.displacement;
   options.threads = common.threads;
-  options.scratch = {common.memory_bytes / 2, std::filesystem::absolute(arguments.output).parent_path().string()};
+  options.scratch = {common.memory_bytes / 4 * 3, std::filesystem::absolute(arguments.output).parent_path().string()};
   const auto progress = make_progress(common);
   const Tin tin = make(*input.source, arguments, options, bound, *progress);
   const PlacedMesh mesh(tin.mesh, input.geo, input.source->size(), placement);
@@ -114,7 +120,7 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   staged.publish();
 
   const TinReport& report = tin.report;
-  const double proven_m = bound.rounding_cells > 0 && arguments.max_error > 0 ? arguments.max_error : report.max_error_m + bound.taken_m;
+  const double proven_m = (bound.displacement.any() ? report.bound_m : report.max_error_m) + bound.taken_m;
   print_result(common, describe(arguments, report, proven_m),
                {{"output", arguments.output}, {"format", format.name}, {"max_error_m", proven_m}, {"rmse_m", report.rmse_m}, {"vertices", report.vertices},
                 {"triangles", report.triangles}, {"cells", report.cells}, {"full_triangles", report.full_triangles}, {"crs", summarise_crs(mesh.frame().crs_wkt).authority}});

@@ -7,7 +7,6 @@
 #include <limits>
 #include <vector>
 
-#include "core/support/error.h"
 #include "gis/tin/heights.h"
 #include "gis/tin/triangle_errors.h"
 
@@ -16,9 +15,24 @@ namespace {
 
 /// The worst cell of a triangle, where one is beyond the bound.
 struct Candidate {
-  float error = 0;  ///< metres; 0: every cell keeps the bound
+  float error = 0;  ///< metres; 0: every cell keeps the bound, and no edge is too long
   std::int32_t row = 0, column = 0;
 };
+
+/// The cell nearest to the middle of a triangle that is too long, wherever it is off; its error is above all others.
+Candidate middle_cell(const TileMesh& mesh, const TileCells& cells, std::int32_t a, std::int32_t b, std::int32_t c) {
+  const double x = (static_cast<double>(mesh.x[a]) + mesh.x[b] + mesh.x[c]) / 3, y = (static_cast<double>(mesh.y[a]) + mesh.y[b] + mesh.y[c]) / 3;
+  double nearest = std::numeric_limits<double>::infinity();
+  Candidate candidate;
+  for_each_span(mesh, cells, a, b, c, [&](std::int32_t row, std::int32_t first, std::int32_t last) {
+    const std::int32_t column = std::clamp(static_cast<std::int32_t>(std::lround(x / mesh.units)), first, last);
+    const double distance = std::hypot(column * mesh.units - x, row * mesh.units - y);
+    if (distance >= nearest) return;
+    nearest = distance;
+    candidate = {std::numeric_limits<float>::max(), row, column};
+  });
+  return candidate;
+}
 
 Candidate worst_cell(const TileMesh& mesh, const TileCells& cells, std::int32_t triangle, const TileBound& bound) {
   const auto [a, b, c] = mesh.corners(triangle);
@@ -31,7 +45,8 @@ Candidate worst_cell(const TileMesh& mesh, const TileCells& cells, std::int32_t 
     candidate.row = row;
     candidate.column = column;
   });
-  if (worst < 0 || worst <= allowance(plane, bound, mesh.units)) return {};
+  if (is_too_long(mesh, a, b, c, bound)) return middle_cell(mesh, cells, a, b, c);
+  if (worst < 0 || worst <= allowance(mesh, plane, a, b, c, bound)) return {};
   candidate.error = std::max(static_cast<float>(worst / plane.area2), std::numeric_limits<float>::min());
   return candidate;
 }
@@ -90,8 +105,10 @@ void insert_greedily(TileMesh& mesh, const TileCells& cells, const TileBound& bo
   for (Waiting::Entry entry; waiting.take(entry);) {
     const Candidate candidate = candidates[entry.triangle];
     if (candidate.error != entry.error) continue;  // it has changed since
-    if (is_vertex(mesh, entry.triangle, candidate))
-      throw Error(ErrorKind::format, "the terrain is too steep for the coordinates of this format at this --max-error");
+    if (is_vertex(mesh, entry.triangle, candidate)) {
+      if (candidate.error == std::numeric_limits<float>::max()) continue;  // long and so thin that no cell lies inside
+      throw TooSteep();
+    }
     const double z = round_height(cells(candidate.column, candidate.row), bound.height_step_m);
     const std::int32_t v = add_vertex(mesh, candidate.column * mesh.units, candidate.row * mesh.units, z, false);
     insert_vertex(mesh, entry.triangle, v, changed);

@@ -2,18 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <string>
 #include <unordered_map>
 #include <vector>
 
 #include "core/support/error.h"
 #include "core/support/parallel.h"
+#include "gis/tin/greedy_insertion.h"
 #include "gis/tin/mesh_tile.h"
 
 namespace arete {
 namespace {
 
 constexpr std::int64_t tile_cells = 1024;
-constexpr std::int64_t tile_memory = std::int64_t{150} << 20;
+constexpr std::int64_t tile_memory = std::int64_t{240} << 20;  // of the worst: every cell a vertex
 
 /// The first cells of the tiles along one side, and the last cell: tile i has the cells [edges[i], edges[i + 1]], both included.
 std::vector<std::int64_t> tile_edges(std::int64_t cells) {
@@ -76,35 +79,64 @@ void check(const Size& size, const TinOptions& options) {
                                       " cells has no surface: a TIN needs 2 x 2 cells at least");
 }
 
+/// The least bound at which a mesh that has every cell as a vertex is not too steep for the rounding.
+double least_bound(const RasterSource& raster, const Displacement& moved) {
+  const Size size = raster.size();
+  Raster<float> rows(size.width, 2);
+  float steepest = 0;
+  for (std::int64_t y = 0; y + 1 < size.height; ++y) {
+    raster.read({0, y, size.width, 2}, rows.view());
+    for (std::int64_t x = 0; x + 1 < size.width; ++x) {
+      const float a = rows(x, 0), b = rows(x + 1, 0), c = rows(x, 1), d = rows(x + 1, 1);
+      for (const float slopes : {std::abs(b - a) + std::abs(c - a), std::abs(b - a) + std::abs(d - b), std::abs(d - c) + std::abs(c - a), std::abs(d - c) + std::abs(d - b)})
+        if (slopes > steepest) steepest = slopes;
+    }
+  }
+  constexpr double diagonal2 = 2;  // of a cell, squared
+  return (moved.rounding_cells + moved.bend_cells * diagonal2) * static_cast<double>(steepest) + moved.sag_m * diagonal2;
+}
+
 }  // namespace
 
 double height_step(double max_error_m) {
   return std::ldexp(1.0, std::clamp(static_cast<int>(std::floor(std::log2(max_error_m))) - 6, -16, -10));
 }
 
-Tin make_tin(const RasterSource& raster, const TinOptions& options, Progress& progress) {
+Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& progress) {
+  TinOptions options = given;
+  if (options.height_step_m == 0 && options.max_error_m > 0) options.height_step_m = height_step(options.max_error_m);
   const Size size = raster.size();
   check(size, options);
   const std::vector<std::int64_t> columns = tile_edges(size.width), rows = tile_edges(size.height);
   const std::int64_t across = static_cast<std::int64_t>(columns.size()) - 1, count = across * (static_cast<std::int64_t>(rows.size()) - 1);
-  const int threads = static_cast<int>(std::clamp<std::int64_t>(options.scratch.memory_bytes / 2 / tile_memory, 1, resolve_threads(options.threads)));
+  // A quarter of the memory is for the mesh, the rest for tiles at work and tiles that wait for their turn.
+  const std::int64_t store_memory = options.scratch.memory_bytes / 4, tiles = std::max<std::int64_t>(1, (options.scratch.memory_bytes - store_memory) / tile_memory);
+  const std::int64_t threads = std::min<std::int64_t>(tiles, resolve_threads(options.threads)), at_a_time = std::min(tiles, 4 * threads);
 
   Tin tin;
-  tin.mesh = MeshStore(options.scratch, options.scratch.memory_bytes / 2);
+  tin.mesh = MeshStore(options.scratch, store_memory);
   Welder welder(tin.mesh, columns, rows);
   TileErrors errors;
   progress.begin("meshing", size.cells());
-  std::vector<MeshedTile> batch(static_cast<std::size_t>(threads));
-  for (std::int64_t first = 0; first < count; first += threads) {
-    const std::int64_t now = std::min<std::int64_t>(threads, count - first);
-    parallel_for(now, threads, [&](std::int64_t i) {
+  std::vector<MeshedTile> batch(static_cast<std::size_t>(at_a_time));
+  for (std::int64_t first = 0; first < count; first += at_a_time) {
+    const std::int64_t now = std::min(at_a_time, count - first);
+    const auto mesh_one = [&](std::int64_t i) {
       const std::size_t column = static_cast<std::size_t>((first + i) % across), row = static_cast<std::size_t>((first + i) / across);
       const Window window{columns[column], rows[row], columns[column + 1] - columns[column] + 1, rows[row + 1] - rows[row] + 1};
       Raster<float> cells(window.width, window.height);
       raster.read(window, cells.view());
-      batch[static_cast<std::size_t>(i)] = mesh_tile(cells.view(), {options.max_error_m, options.height_step_m, options.rounding_cells, options.passes},
+      batch[static_cast<std::size_t>(i)] = mesh_tile(cells.view(), {options.max_error_m, options.height_step_m, options.displacement, options.passes, options.extra_share},
                                                      column + 2 == columns.size(), row + 2 == rows.size());
-    });
+    };
+    try {
+      parallel_for(now, static_cast<int>(threads), mesh_one);
+    } catch (const TooSteep&) {
+      char text[200];
+      std::snprintf(text, sizeof text, "the format or the CRS of the mesh moves coordinates by up to %.2g cells, too much for %g m on terrain so steep: the bound must be at least %.3g m",
+                    options.displacement.rounding_cells, options.max_error_m, 1.01 * least_bound(raster, options.displacement));
+      throw Error(ErrorKind::format, text);
+    }
     std::int64_t done = 0;
     for (std::int64_t i = 0; i < now; ++i) {
       const std::size_t column = static_cast<std::size_t>((first + i) % across), row = static_cast<std::size_t>((first + i) / across);
@@ -120,7 +152,7 @@ Tin make_tin(const RasterSource& raster, const TinOptions& options, Progress& pr
   }
   progress.end();
   if (errors.cells == 0) throw Error(ErrorKind::input, "the raster has no valid cell: there is nothing to mesh");
-  tin.report = {tin.mesh.vertices(), tin.mesh.triangles(), errors.max_error_m, std::sqrt(errors.squares / static_cast<double>(errors.cells)),
+  tin.report = {tin.mesh.vertices(), tin.mesh.triangles(), options.max_error_m, errors.max_error_m, std::sqrt(errors.squares / static_cast<double>(errors.cells)),
                 errors.cells, errors.full_triangles};
   return tin;
 }

@@ -6,15 +6,17 @@
 #include "core/support/scratch.h"
 #include "core/terrain/raster_io.h"
 #include "gis/mesh/mesh_store.h"
+#include "gis/tin/tile_cells.h"
 
 namespace arete {
 
 struct TinOptions {
   double max_error_m = 1;             ///< above 0
-  double height_step_m = 1.0 / 1024;  ///< elevations of vertices are multiples of this power of two
-  double rounding_cells = 0;          ///< what the file format may move a vertex along x or y: the bound holds after that
+  double height_step_m = 0;           ///< elevations of vertices are multiples of this power of two; 0: height_step(max_error_m)
+  Displacement displacement;          ///< by which the mesh will be moved: the bound holds after that
   /// Passes of simplification after greedy insertion (simplify.h); 0: greedy insertion alone.
   int passes = 3;
+  double extra_share = 0;  ///< so many triangles more, as a share of those that the bound needs, where errors are largest
   int threads = 0;
   Scratch scratch;  ///< memory for all, and where a mesh beyond it goes
 };
@@ -22,7 +24,8 @@ struct TinOptions {
 /// What was made, and proven of every valid cell of the raster.
 struct TinReport {
   std::int64_t vertices = 0, triangles = 0;
-  double max_error_m = 0;           ///< the largest distance of a cell from the mesh, vertically
+  double bound_m = 0;               ///< that it was made within, after any displacement
+  double max_error_m = 0;           ///< before any displacement: the largest distance of a cell from the mesh, vertically
   double rmse_m = 0;                ///< over the valid cells
   std::int64_t cells = 0;           ///< valid ones
   std::int64_t full_triangles = 0;  ///< of the mesh that has every cell as a vertex
@@ -42,9 +45,10 @@ double height_step(double max_error_m);
 /// the valid cells exactly, cut at the centres of the raster's outer cells; and no more.
 ///
 /// Works by tiles of about 1024 x 1024 cells that share their borders, so that they join to one manifold. The tiles, and the mesh with
-/// the order of its vertices, depend on the raster and the options alone, not on threads or memory. Holds about 150 MB a thread.
+/// the order of its vertices, depend on the raster and the options alone, not on threads or memory. Holds at most about 240 MB a
+/// thread for tiles, whatever the size of the raster.
 /// Throws Error{input} where the raster has fewer than two rows or columns or no valid cell, Error{usage} for a bound that is not
-/// above 0, Error{format} where it cannot be kept because of rounding_cells, Error{interrupted}.
+/// above 0, Error{format} where it cannot be kept because of the displacement, with the least that can, Error{interrupted}.
 /// Source: greedy insertion after Garland and Heckbert (1995); simplification by half-edge collapse with elevations freed within
 /// the bound.
 Tin make_tin(const RasterSource& raster, const TinOptions& options, Progress& progress);

@@ -7,6 +7,7 @@
 #include "gis/tin/greedy_insertion.h"
 #include "gis/tin/heights.h"
 #include "gis/tin/simplify.h"
+#include "gis/tin/split_worst.h"
 #include "gis/tin/triangle_errors.h"
 
 namespace arete {
@@ -39,9 +40,13 @@ std::vector<float> line_of(RasterView<const float> cells, bool column, std::int6
   return line;
 }
 
+/// What the border keeps of the bound where triangles are displaced: the slopes beside it are not known yet.
+double line_reserve(const TileOptions& options) { return options.displacement.any() ? options.max_error_m / 16 : 0; }
+
 std::vector<Polyline> simplify_side(RasterView<const float> given, RasterView<const float> rounded, bool column, std::int64_t index,
                                     const TileOptions& options) {
-  const LineBound bound{bound_for(line_of(given, column, index), options.max_error_m), options.height_step_m, 2};
+  const LineBound bound{bound_for(line_of(given, column, index), options.max_error_m - line_reserve(options)), options.height_step_m, 2,
+                        options.displacement.longest_cells};
   return simplify_line(line_of(rounded, column, index), bound);
 }
 
@@ -103,13 +108,18 @@ MeshedTile mesh_tile(RasterView<const float> given, const TileOptions& options, 
   tile.mesh = triangulate_domain(cells, border, options.height_step_m);
   if (tile.mesh.origin.empty()) return tile;
   const TileBound bound{bound_for({given.data, static_cast<std::size_t>(given.stride * given.height)}, options.max_error_m), options.height_step_m,
-                        options.rounding_cells};
+                        options.displacement};
   tile.mesh = sort_mesh(tile.mesh);
   tile.mesh.leaving.clear();
   insert_greedily(tile.mesh, cells, bound);
   link_vertices(tile.mesh);
   simplify(tile.mesh, cells, bound, options.passes);
   tile.mesh = sort_mesh(tile.mesh);
+  if (options.extra_share > 0) {
+    split_worst(tile.mesh, cells, bound, static_cast<std::int64_t>(options.extra_share * tile.mesh.triangles() / 2));
+    link_vertices(tile.mesh);
+    tile.mesh = sort_mesh(tile.mesh);
+  }
   tile.errors = measure(tile.mesh, given, border, last_column, last_row);
   return tile;
 }

@@ -11,8 +11,9 @@ namespace arete {
 struct TileOptions {
   double max_error_m = 1;
   double height_step_m = 1.0 / 1024;  ///< a power of two
-  double rounding_cells = 0;          ///< as TileBound
+  Displacement displacement;
   int passes = 3;                     ///< of simplify(); 0: greedy insertion alone
+  double extra_share = 0;             ///< of the triangles at the end, which are spent again on the worst ones (split_worst)
 };
 
 /// What the cells of a tile lie off its mesh. The outer rows and columns are shared: each tile counts its top row and left
@@ -30,7 +31,7 @@ struct MeshedTile {
 };
 
 /// Meshes a tile within the bound: its four sides first, each from its own cells, then greedy insertion, then simplification; and
-/// measures every cell. `last_column`, `last_row`: no tile follows to the right, below. Throws Error{format} as insert_greedily.
+/// measures every cell. `last_column`, `last_row`: no tile follows to the right, below. Throws as insert_greedily.
 MeshedTile mesh_tile(RasterView<const float> cells, const TileOptions& options, bool last_column, bool last_row);
 
 }  // namespace arete

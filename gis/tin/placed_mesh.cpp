@@ -161,6 +161,36 @@ double PlacedMesh::cell_units() const {
   return std::min(distance(corner[0], corner[1]), distance(corner[0], corner[2]));
 }
 
+Displacement PlacedMesh::displacement(double max_error_m) const {
+  Displacement moved;
+  if (!impl_->plane.change) return moved;
+  constexpr double safety = 1.5;
+  const double width = static_cast<double>(impl_->size.width - 1), height = static_cast<double>(impl_->size.height - 1);
+  const double cell = cell_units();
+  for (const double s : {0.0, 0.5, 1.0})
+    for (const double t : {0.0, 0.5, 1.0})
+      for (const auto& [right, down] : {std::pair{1.0, 0.0}, {0.0, 1.0}, {1.0, 1.0}}) {
+        const double length = std::min(128.0, right > 0 && down > 0 ? std::min(width, height) : right > 0 ? width : height);
+        const double x = s * (width - right * length), y = t * (height - down * length);
+        std::array<MeshVertex, 3> line{MeshVertex{x, y, 0}, {x + right * length / 2, y + down * length / 2, 0}, {x + right * length, y + down * length, 0}};
+        impl_->place(line, 0);
+        const double dx = line[1].x - (line[0].x + line[2].x) / 2, dy = line[1].y - (line[0].y + line[2].y) / 2, dz = line[1].z - (line[0].z + line[2].z) / 2;
+        const double cells2 = (right + down) * length * length;
+        double aside = std::hypot(dx, dy), sag = 0;
+        if (impl_->plane.with_height) {  // up is away from the Earth's centre, near enough
+          const double radius = std::hypot(line[1].x, line[1].y, line[1].z);
+          sag = std::abs(dx * line[1].x + dy * line[1].y + dz * line[1].z) / radius;
+          aside = std::sqrt(std::max(0.0, dx * dx + dy * dy + dz * dz - sag * sag));
+        }
+        moved.bend_cells = std::max(moved.bend_cells, safety * aside / cell / cells2);
+        moved.sag_m = std::max(moved.sag_m, safety * sag / cells2);
+      }
+  const double straight = moved.bend_cells > 0 ? std::sqrt(0.25 / moved.bend_cells) : any_length;
+  const double level = moved.sag_m > 0 ? std::sqrt(max_error_m / 8 / moved.sag_m) : any_length;
+  moved.longest_cells = std::max(4.0, std::min({straight, level, any_length}));
+  return moved;
+}
+
 double PlacedMesh::height_noise_m() const {
   if (impl_->plane.with_height) return 2e-6;
   return impl_->frame.metres_per_unit == 1 ? 0 : 2e-9;

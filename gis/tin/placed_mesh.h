@@ -5,6 +5,7 @@
 
 #include "core/terrain/georeference.h"
 #include "gis/mesh/mesh.h"
+#include "gis/tin/tile_cells.h"
 
 namespace arete {
 
@@ -34,6 +35,9 @@ class PlacedMesh final : public MeshSource {
   MeshBounds bounds_of_raster(double low_m, double high_m) const;
   /// The least width of a cell in the units of x and y.
   double cell_units() const;
+  /// What placing makes of straight lines: measured at nine places of the raster, along both sides and a diagonal, with half as much again;
+  /// edges so short that this stays below a quarter of a cell and an eighth of the bound. The format's rounding is not in it.
+  Displacement displacement(double max_error_m) const;
   /// How far an elevation may be off, in metres, when a reader takes it back to the raster: 0 where it stays a number of metres.
   double height_noise_m() const;
 

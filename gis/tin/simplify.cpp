@@ -16,12 +16,7 @@ constexpr std::size_t max_ring = 60;    // vertices with more neighbours are lef
 
 /// Height over longest edge; negative where the triangle is turned over.
 double shape(const TileMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c) {
-  const auto squared_length = [&](std::int32_t from, std::int32_t to) {
-    const double dx = mesh.x[to] - mesh.x[from], dy = mesh.y[to] - mesh.y[from];
-    return dx * dx + dy * dy;
-  };
-  const double longest = std::max({squared_length(a, b), squared_length(b, c), squared_length(c, a)});
-  return static_cast<double>(orientation(mesh, a, b, c)) / longest;
+  return static_cast<double>(orientation(mesh, a, b, c)) / longest_squared(mesh, a, b, c);
 }
 
 /// What cells allow the elevation of a vertex to be, and the sums of which the least-squares elevation is made: a cell of height h is
@@ -69,6 +64,7 @@ class Simplifier {
       const std::int32_t right = mesh_.origin[edge], left = mesh_.origin[next_edge(edge)];
       const double least = std::min(min_shape, std::min(shape(mesh_, apex, right, left), shape(mesh_, beyond, left, right)));
       if (shape(mesh_, apex, beyond, left) < least || shape(mesh_, beyond, apex, right) < least) continue;
+      if (is_too_long(mesh_, apex, beyond, left, bound_) || is_too_long(mesh_, beyond, apex, right, bound_)) continue;
       const double now = fit(apex, right, left).squares + fit(beyond, left, right).squares;
       const TriangleFit first = fit(apex, beyond, left);
       if (!first.keeps || first.squares >= now) continue;
@@ -87,9 +83,9 @@ class Simplifier {
     const double per_area = 1 / (ax * by - ay * bx), za = mesh_.z[a], zb = mesh_.z[b];
     const double a_along_x = by * per_area * mesh_.units, b_along_x = -ay * per_area * mesh_.units;
     double error = bound_.error_m;
-    if (bound_.rounding_cells > 0) {
+    if (bound_.displacement.any()) {
       const TrianglePlane plane = plane_of(mesh_, v, a, b);
-      error = allowance(plane, bound_, mesh_.units) / plane.area2;
+      error = allowance(mesh_, plane, v, a, b, bound_) / plane.area2;
     }
     error += 1e-12 * error;
     for_each_span(mesh_, cells_, v, a, b, [&](std::int32_t row, std::int32_t first, std::int32_t last) {
@@ -127,6 +123,7 @@ class Simplifier {
       if (a == to || b == to) continue;
       const double now = shape(mesh_, to, a, b);
       if (now < min_shape && (now <= 0 || now < shape(mesh_, from, a, b))) return false;
+      if (is_too_long(mesh_, to, a, b, bound_)) return false;
     }
     collect_ring(mesh_, to, other_);
     int common = 0;

@@ -42,16 +42,18 @@ class Tunnel {
     // The slopes at which a side passes all cells so far.
     double low = -std::numeric_limits<double>::infinity(), high = -low;
     std::vector<LineVertex> reached;
+    const double longest = bound_.longest_cells * bound_.units;
     std::int32_t cell = from.at >= 0 ? from.at / bound_.units + 1 : 0;
     for (; cell * bound_.units < end.at; ++cell) {
       const double run = cell * bound_.units - from.at;
+      if (run > longest && !reached.empty()) break;
       low = std::max(low, (cells_[cell] - bound_.error_m - from.z) / run);
       high = std::min(high, (cells_[cell] + bound_.error_m - from.z) / run);
       if (low > high) break;
       const double slope = std::clamp((cells_[cell] - from.z) / run, low, high);
       reached.push_back({cell * bound_.units, round_height(from.z + slope * run, bound_.height_step_m)});
     }
-    if (cell * bound_.units >= end.at && keeps(from, end)) return end;
+    if (cell * bound_.units >= end.at && (end.at - from.at <= longest || reached.empty()) && keeps(from, end)) return end;
     // Rounding may have left the tunnel: then the vertex before is taken.
     while (reached.size() > 1 && !(keeps(from, reached.back()) && within(reached.back()))) reached.pop_back();
     if (reached.empty()) return end;

@@ -19,6 +19,7 @@ struct LineBound {
   double error_m = 0;
   double height_step_m = 1.0 / 1024;
   int units = 2;  ///< to a cell, even
+  double longest_cells = 1e9;  ///< no side may be longer
 };
 
 /// Polylines over a row or column of cells (metres, NaN void), one over each run of valid cells, from its first cell's edge to its

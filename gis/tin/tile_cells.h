@@ -10,15 +10,27 @@ namespace arete {
 /// the raster): what lies on them is settled by the border of the tile alone.
 using TileCells = RasterView<const float>;
 
+/// A limit of lengths that is none.
+inline constexpr double any_length = 1e9;
+
+/// What becomes of a triangle when its corners are placed in another plane and written: the bound must hold after it. All 0 where a
+/// mesh stays in the plane of its raster and keeps its coordinates.
+struct Displacement {
+  double rounding_cells = 0;   ///< the file format moves a vertex by so much along x and y
+  /// A straight line of L cells in the raster's plane lies up to bend_cells L² cells beside the straight edge that stands for it, and
+  /// sag_m L² metres above or below it.
+  double bend_cells = 0, sag_m = 0;
+  double longest_cells = any_length;  ///< no edge may be longer than this; at least 4
+  bool any() const { return rounding_cells > 0 || bend_cells > 0 || sag_m > 0; }
+};
+
 /// The bound that a tile is meshed within, in numbers that proofs can compute with. Elevations of cells, elevations of vertices and
 /// the bound are multiples of powers of two, few enough bits long that the plane of a triangle times its area, and its distance
 /// from a cell, are exact in double: where an error equals the bound, no rounding decides.
 struct TileBound {
   double error_m = 0;                 ///< no cell is further from the mesh than this, vertically
   double height_step_m = 1.0 / 1024;  ///< elevations of vertices are multiples of this power of two
-  /// What the file format may move a vertex along x and y, in cells: each triangle keeps so much of the bound in reserve as its slope
-  /// makes of it. 0 where the format keeps the coordinates.
-  double rounding_cells = 0;
+  Displacement displacement;
 };
 
 /// The greatest bound not above `error_m` that has few enough bits.

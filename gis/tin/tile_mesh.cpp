@@ -56,20 +56,6 @@ void legalise(TileMesh& mesh, std::vector<std::int32_t>& stack, std::vector<std:
   }
 }
 
-void split_triangle(TileMesh& mesh, std::int32_t triangle, std::int32_t vertex, std::vector<std::int32_t>& stack,
-                    std::vector<std::int32_t>& changed) {
-  const std::int32_t h = 3 * triangle;
-  const auto [a, b, c] = mesh.corners(triangle);
-  const Outer ab = outer(mesh, h), bc = outer(mesh, h + 1), ca = outer(mesh, h + 2);
-  const std::int32_t first = put_triangle(mesh, triangle, {a, b, vertex}, {ab, {}, {}});
-  const std::int32_t second = put_triangle(mesh, -1, {b, c, vertex}, {bc, {}, {3 * first + 1, 0}});
-  const std::int32_t third = put_triangle(mesh, -1, {c, a, vertex}, {ca, {3 * first + 2, 0}, {3 * second + 1, 0}});
-  for (const std::int32_t t : {first, second, third}) {
-    stack.push_back(3 * t);
-    changed.push_back(t);
-  }
-}
-
 void split_edge(TileMesh& mesh, std::int32_t edge, std::int32_t vertex, std::vector<std::int32_t>& stack, std::vector<std::int32_t>& changed) {
   const std::int32_t twin = mesh.twin[edge];
   const std::uint8_t fixed = mesh.fixed[edge];
@@ -157,6 +143,22 @@ std::int32_t add_vertex(TileMesh& mesh, std::int32_t x, std::int32_t y, double z
   return mesh.vertices() - 1;
 }
 
+void drop_last_vertex(TileMesh& mesh) {
+  mesh.x.pop_back();
+  mesh.y.pop_back();
+  mesh.z.pop_back();
+  mesh.held.pop_back();
+}
+
+void split_triangle(TileMesh& mesh, std::int32_t triangle, std::int32_t vertex) {
+  const std::int32_t h = 3 * triangle;
+  const auto [a, b, c] = mesh.corners(triangle);
+  const Outer ab = outer(mesh, h), bc = outer(mesh, h + 1), ca = outer(mesh, h + 2);
+  const std::int32_t first = put_triangle(mesh, triangle, {a, b, vertex}, {ab, {}, {}});
+  const std::int32_t second = put_triangle(mesh, -1, {b, c, vertex}, {bc, {}, {3 * first + 1, 0}});
+  put_triangle(mesh, -1, {c, a, vertex}, {ca, {3 * first + 2, 0}, {3 * second + 1, 0}});
+}
+
 void insert_vertex(TileMesh& mesh, std::int32_t triangle, std::int32_t vertex, std::vector<std::int32_t>& changed) {
   thread_local std::vector<std::int32_t> stack;
   stack.clear();
@@ -165,7 +167,12 @@ void insert_vertex(TileMesh& mesh, std::int32_t triangle, std::int32_t vertex, s
       split_edge(mesh, h, vertex, stack, changed);
       return legalise(mesh, stack, changed);
     }
-  split_triangle(mesh, triangle, vertex, stack, changed);
+  const std::int32_t next = mesh.triangles();
+  split_triangle(mesh, triangle, vertex);
+  for (const std::int32_t t : {triangle, next, next + 1}) {
+    stack.push_back(3 * t);
+    changed.push_back(t);
+  }
   legalise(mesh, stack, changed);
 }
 

@@ -44,6 +44,12 @@ bool in_circle(const TileMesh& mesh, std::int32_t a, std::int32_t b, std::int32_
 
 std::int32_t add_vertex(TileMesh& mesh, std::int32_t x, std::int32_t y, double z, bool held);
 
+/// Takes back the vertex that was added last, which no triangle has.
+void drop_last_vertex(TileMesh& mesh);
+
+/// Makes three triangles of the one in whose inside the vertex lies. Leaves `leaving` as it is: link_vertices() sets it.
+void split_triangle(TileMesh& mesh, std::int32_t triangle, std::int32_t vertex);
+
 /// Splits the triangle, or the edge of it on which the vertex lies, then flips edges until the triangulation is constrained Delaunay
 /// again. The vertex lies in the closed triangle and on none of its corners; it is held where it splits a fixed edge. Appends each triangle that is new or changed to
 /// `changed`; one may stand there twice.

@@ -5,8 +5,6 @@
 #include <functional>
 #include <optional>
 
-#include <fmt/format.h>
-
 #include "core/support/error.h"
 
 namespace arete {
@@ -38,14 +36,13 @@ Tin search(const RasterSource& raster, const Goal& goal, TinOptions options, Pro
   const double aim = std::sqrt(goal.most * goal.least);
   std::optional<End> low, high;  // bounds too small and too large for the goal
   std::optional<Tin> best;
-  double bound = options.max_error_m;
+  double bound = options.max_error_m, best_bound = 0;
   for (int tried = 0; tried < most_tries; ++tried) {
     options.max_error_m = bound;
-    options.height_step_m = std::min(options.height_step_m, height_step(bound));
     Tin tin = make_tin(raster, options, progress);
     const double measure = goal.measure(tin.report);
     const bool allowed = measure <= goal.most, near = measure >= goal.least;
-    if (allowed && (!best || measure > goal.measure(best->report))) best = std::move(tin);
+    if (allowed && (!best || measure > goal.measure(best->report))) best = std::move(tin), best_bound = bound;
     if (allowed && near) return std::move(*best);
     const double off = std::log(std::max(measure, 1e-9) / aim);
     const bool too_small = goal.falls ? measure > goal.most : allowed;
@@ -60,7 +57,13 @@ Tin search(const RasterSource& raster, const Goal& goal, TinOptions options, Pro
     }
   }
   if (!best) throw Error(ErrorKind::usage, "no bound between 0.0001 and 100000 m reaches this goal");
-  return std::move(*best);
+  if (!goal.falls || best->report.max_error_m == 0) return std::move(*best);
+  // Whole metres leave jumps: a bound just below one metre needs more triangles than one of a metre by far. What is left is spent where
+  // errors are largest.
+  options.max_error_m = best_bound;
+  options.extra_share = goal.most / goal.measure(best->report) - 1;
+  best.reset();
+  return make_tin(raster, options, progress);
 }
 
 double first_bound(const RasterSource& raster, const TinOptions& options) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -51,9 +52,30 @@ inline TrianglePlane plane_of(const TileMesh& mesh, std::int32_t a, std::int32_t
   return {area2, area2 * mesh.z[a], bz * cy - cz * by, cz * bx - bz * cx};
 }
 
-/// How much of the bound a triangle has for its cells, times twice its area.
-inline double allowance(const TrianglePlane& plane, const TileBound& bound, int units) {
-  return plane.area2 * bound.error_m - bound.rounding_cells * units * (std::abs(plane.along_x) + std::abs(plane.along_y));
+/// The square of the longest edge, in square units.
+inline double longest_squared(const TileMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c) {
+  const auto squared = [&](std::int32_t from, std::int32_t to) {
+    const double dx = mesh.x[to] - mesh.x[from], dy = mesh.y[to] - mesh.y[from];
+    return dx * dx + dy * dy;
+  };
+  return std::max({squared(a, b), squared(b, c), squared(c, a)});
+}
+
+/// Whether an edge of the triangle is longer than any may be.
+inline bool is_too_long(const TileMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c, const TileBound& bound) {
+  if (bound.displacement.longest_cells == any_length) return false;
+  const double most = bound.displacement.longest_cells * mesh.units;
+  return longest_squared(mesh, a, b, c) > most * most;
+}
+
+/// How much of the bound a triangle has for its cells, times twice its area: what its slope makes of the displacement is kept in
+/// reserve.
+inline double allowance(const TileMesh& mesh, const TrianglePlane& plane, std::int32_t a, std::int32_t b, std::int32_t c, const TileBound& bound) {
+  const Displacement& moved = bound.displacement;
+  if (!moved.any()) return plane.area2 * bound.error_m;
+  const double cells2 = longest_squared(mesh, a, b, c) / (static_cast<double>(mesh.units) * mesh.units);
+  const double aside = (moved.rounding_cells + moved.bend_cells * cells2) * mesh.units;
+  return plane.area2 * (bound.error_m - moved.sag_m * cells2) - aside * (std::abs(plane.along_x) + std::abs(plane.along_y));
 }
 
 /// Calls body(difference, row, column) for each cell of a triangle: twice its area times the height of its plane over the cell.
@@ -82,7 +104,7 @@ inline TriangleFit fit_of(const TileMesh& mesh, const TileCells& cells, std::int
     worst = std::max(worst, std::abs(difference));
     squares += difference * difference;
   });
-  return {worst <= allowance(plane, bound, mesh.units), squares / (plane.area2 * plane.area2)};
+  return {worst <= allowance(mesh, plane, a, b, c, bound), squares / (plane.area2 * plane.area2)};
 }
 
 }  // namespace arete
