@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <vector>
 
+#include "gis/tin/greedy_insertion.h"
 #include "gis/tin/heights.h"
 #include "gis/tin/triangle_errors.h"
 
@@ -23,20 +25,26 @@ double shape(const TileMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t 
 /// under the mesh at z weight + rest, and wants it at h - rest.
 struct Interval {
   double low = -std::numeric_limits<double>::infinity(), high = std::numeric_limits<double>::infinity();
-  double weights = 0, products = 0, wanted = 0;  ///< sums of weight², weight (h - rest), (h - rest)²
+  double weights = 0, products = 0;  ///< sums of weight², weight (h - rest)
 
   bool empty() const { return low > high; }
-  double squares(double z) const { return wanted - 2 * z * products + z * z * weights; }
 };
 
 class Simplifier {
  public:
-  Simplifier(TileMesh& mesh, const TileCells& cells, const TileBound& bound) : mesh_(mesh), cells_(cells), bound_(bound) {}
+  Simplifier(TileMesh& mesh, const TileCells& cells, const TileBound& bound)
+      : mesh_(mesh), cells_(cells), bound_(bound), stirred_(mesh.x.size(), 1), stirring_(mesh.x.size(), 0) {}
 
+  /// Tries to remove the vertices beside which something was removed since they were tried; at first, all.
   void collapse_edges() {
     for (std::int32_t v = 0; v < mesh_.vertices(); ++v)
-      if (mesh_.leaving[v] >= 0 && !mesh_.held[v]) remove(v);
+      if (stirred_[v] && mesh_.leaving[v] >= 0 && !mesh_.held[v]) remove(v);
+    stirred_.swap(stirring_);
+    std::fill(stirring_.begin(), stirring_.end(), std::uint8_t{0});
   }
+
+  /// The next collapse_edges() tries all vertices again.
+  void stir_all() { std::fill(stirred_.begin(), stirred_.end(), std::uint8_t{1}); }
 
   void fit_heights() {
     for (std::int32_t v = 0; v < mesh_.vertices(); ++v) {
@@ -44,15 +52,7 @@ class Simplifier {
       collect_ring(mesh_, v, ring_);
       Interval interval;
       for (std::size_t i = 0; i < ring_.triangles(); ++i) narrow(v, ring_.vertices[i], ring_.after(i), interval);
-      const std::optional<double> z = best_height(interval);
-      if (!z || *z == mesh_.z[v]) continue;
-      const double before = mesh_.z[v];
-      mesh_.z[v] = *z;
-      for (std::size_t i = 0; i < ring_.triangles(); ++i)
-        if (!keeps(v, ring_.vertices[i], ring_.after(i))) {
-          mesh_.z[v] = before;
-          break;
-        }
+      if (const std::optional<double> z = best_height(interval)) mesh_.z[v] = *z;
     }
   }
 
@@ -75,9 +75,8 @@ class Simplifier {
 
  private:
   TriangleFit fit(std::int32_t a, std::int32_t b, std::int32_t c) const { return fit_of(mesh_, cells_, a, b, c, bound_); }
-  bool keeps(std::int32_t a, std::int32_t b, std::int32_t c) const { return fit(a, b, c).keeps; }
 
-  /// Takes from the interval what the cells of the triangle (v, a, b) do not allow. To rounding: what comes of it is proven by keeps().
+  /// Takes from the interval what the cells of the triangle (v, a, b) do not allow. To rounding: what comes of it is proven at the end.
   void narrow(std::int32_t v, std::int32_t a, std::int32_t b, Interval& interval) const {
     const double ax = mesh_.x[a] - mesh_.x[v], ay = mesh_.y[a] - mesh_.y[v], bx = mesh_.x[b] - mesh_.x[v], by = mesh_.y[b] - mesh_.y[v];
     const double per_area = 1 / (ax * by - ay * bx), za = mesh_.z[a], zb = mesh_.z[b];
@@ -88,23 +87,27 @@ class Simplifier {
       error = allowance(mesh_, plane, v, a, b, bound_) / plane.area2;
     }
     error += 1e-12 * error;
+    Interval narrowed = interval;
     for_each_span(mesh_, cells_, v, a, b, [&](std::int32_t row, std::int32_t first, std::int32_t last) {
+      if (narrowed.empty()) return;
       const float* heights = cells_.row(row);
       const double dx = first * mesh_.units - mesh_.x[v], dy = row * mesh_.units - mesh_.y[v];
       double of_a = (dx * by - dy * bx) * per_area, of_b = (ax * dy - ay * dx) * per_area;
+      double low = narrowed.low, high = narrowed.high, weights = 0, products = 0;
       for (std::int32_t column = first; column <= last; ++column, of_a += a_along_x, of_b += b_along_x) {
         const double weight = 1 - of_a - of_b, want = heights[column] - of_a * za - of_b * zb;
         if (weight > 1e-9) {
-          if (want - error > interval.low * weight) interval.low = (want - error) / weight;
-          if (want + error < interval.high * weight) interval.high = (want + error) / weight;
+          if (want - error > low * weight) low = (want - error) / weight;
+          if (want + error < high * weight) high = (want + error) / weight;
         } else if (std::abs(want) > error + 1e-9) {
-          interval.low = std::numeric_limits<double>::infinity();
+          low = std::numeric_limits<double>::infinity();
         }
-        interval.weights += weight * weight;
-        interval.products += weight * want;
-        interval.wanted += want * want;
+        weights += weight * weight;
+        products += weight * want;
       }
+      narrowed = {low, high, narrowed.weights + weights, narrowed.products + products};
     });
+    interval = narrowed;
   }
 
   /// The elevation in the interval with the least squared errors; none where the interval is empty or no cell asks for anything.
@@ -131,81 +134,79 @@ class Simplifier {
     return common == 2;
   }
 
-  struct Move {
-    std::int32_t to;
-    double z, squares;
-  };
+  /// Which triangle of ring_ has the vertex in it when all fan out from `to`.
+  std::size_t triangle_under(std::int32_t from, std::int32_t to) const {
+    for (std::size_t i = 0; i < ring_.triangles(); ++i) {
+      const std::int32_t a = ring_.vertices[i], b = ring_.after(i);
+      if (a != to && b != to && orientation(mesh_, to, a, from) >= 0 && orientation(mesh_, to, from, b) >= 0) return i;
+    }
+    return 0;
+  }
 
-  /// The vertex of ring_ moved onto `to`. Leaves the ring of `to` in other_.
-  std::optional<Move> try_move(std::int32_t from, std::int32_t to) {
+  /// The elevation of `to` at which the vertex of ring_ can be moved onto it. Leaves the ring of `to` in other_.
+  std::optional<double> height_to_move(std::int32_t from, std::int32_t to) {
     if (!can_move_to(from, to)) return std::nullopt;
     Interval interval;
-    for (std::size_t i = 0; i < ring_.triangles(); ++i) {
+    // First the triangle that will lie where the vertex was: the vertex is there for its cells.
+    const std::size_t under = triangle_under(from, to);
+    for (std::size_t k = 0; k < ring_.triangles(); ++k) {
+      const std::size_t i = (under + k) % ring_.triangles();
       const std::int32_t a = ring_.vertices[i], b = ring_.after(i);
       if (a == to || b == to) continue;
       narrow(to, a, b, interval);
       if (interval.empty()) return std::nullopt;
     }
-    if (mesh_.held[to]) {
-      const double z = mesh_.z[to];
-      if (z < interval.low || z > interval.high) return std::nullopt;
-      return Move{to, z, interval.squares(z)};
-    }
+    if (mesh_.held[to]) return interval.low <= mesh_.z[to] && mesh_.z[to] <= interval.high ? std::optional(mesh_.z[to]) : std::nullopt;
     for (std::size_t i = 0; i < other_.triangles(); ++i) {
       const std::int32_t a = other_.vertices[i], b = other_.after(i);
       if (a == from || b == from) continue;
       narrow(to, a, b, interval);
       if (interval.empty()) return std::nullopt;
     }
-    const std::optional<double> z = best_height(interval);
-    if (!z) return std::nullopt;
-    return Move{to, *z, interval.squares(*z)};
-  }
-
-  bool proves(std::int32_t from, const Move& move) {
-    const double before = mesh_.z[move.to];
-    mesh_.z[move.to] = move.z;
-    collect_ring(mesh_, move.to, other_);
-    bool kept = true;
-    for (std::size_t i = 0; kept && i < ring_.triangles(); ++i) {
-      const std::int32_t a = ring_.vertices[i], b = ring_.after(i);
-      kept = a == move.to || b == move.to || keeps(move.to, a, b);
-    }
-    for (std::size_t i = 0; kept && i < other_.triangles(); ++i) {
-      const std::int32_t a = other_.vertices[i], b = other_.after(i);
-      kept = a == from || b == from || keeps(move.to, a, b);
-    }
-    if (!kept) mesh_.z[move.to] = before;
-    return kept;
+    return best_height(interval);
   }
 
   void remove(std::int32_t v) {
     collect_ring(mesh_, v, ring_);
     if (!ring_.closed || ring_.vertices.size() > max_ring) return;
-    std::optional<Move> best;
     for (const std::int32_t to : ring_.vertices) {
-      const std::optional<Move> move = try_move(v, to);
-      if (move && (!best || move->squares < best->squares)) best = move;
+      const std::optional<double> z = height_to_move(v, to);
+      if (!z) continue;
+      mesh_.z[to] = *z;
+      collapse_edge(mesh_, v, ring_, to);
+      collect_ring(mesh_, to, ring_);
+      for (const std::int32_t neighbour : ring_.vertices) stirring_[neighbour] = 1;
+      stirring_[to] = 1;
+      return;
     }
-    if (best && proves(v, *best)) collapse_edge(mesh_, v, ring_, best->to);
   }
 
   TileMesh& mesh_;
   const TileCells& cells_;
   const TileBound& bound_;
+  std::vector<std::uint8_t> stirred_, stirring_;  // per vertex: something beside it was removed, in the last pass and in this one
   Ring ring_, other_;
 };
 
 }  // namespace
 
 void simplify(TileMesh& mesh, const TileCells& cells, const TileBound& bound, int passes) {
+  if (passes == 0) return;
+  mesh = sort_mesh(mesh);
+  Simplifier simplifier(mesh, cells, bound);
   for (int pass = 0; pass < passes; ++pass) {
-    mesh = sort_mesh(mesh);
-    Simplifier simplifier(mesh, cells, bound);
+    if (pass > 0) {
+      simplifier.fit_heights();
+      simplifier.flip_edges();
+    }
+    if (pass == 1) simplifier.stir_all();
     simplifier.collapse_edges();
-    simplifier.fit_heights();
-    simplifier.flip_edges();
   }
+  // Elevations were found to rounding. What that left beyond the bound, hardly ever anything, gets vertices again.
+  mesh = sort_mesh(mesh);
+  mesh.leaving.clear();
+  insert_greedily(mesh, cells, bound);
+  link_vertices(mesh);
 }
 
 }  // namespace arete

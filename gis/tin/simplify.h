@@ -5,16 +5,18 @@
 
 namespace arete {
 
-/// Makes a mesh that keeps the bound one with fewer triangles that keeps it. Passes over the vertices along their Z-order curve; in
-/// each
-///   1. a vertex is moved onto one of its neighbours (half-edge collapse) where some elevation of that neighbour lets every cell
-///      about both keep the bound: each cell allows an interval of it, and their intersection must not be empty. Of the
-///      neighbours that can, the one with the least sum of squared errors is taken, at the least-squares elevation within the interval;
-///   2. every vertex moves to the least-squares elevation within its interval;
-///   3. edges are flipped where that lowers the sum of squared errors and keeps the bound.
-/// Every change is proven exactly (fit_of) before it is made. No change makes a triangle whose height is less than a tenth of its
-/// longest edge, unless it was so before. Vertices that are held stay as they are.
-/// Cost: a pass looks at each vertex's neighbours' stars, about 100 cells per cell of the tile.
+/// Makes of a mesh that keeps the bound one with fewer triangles that keeps it. Each pass goes over the vertices along their Z-order curve:
+/// a vertex is moved onto one of its neighbours (half-edge collapse) where some elevation of that neighbour lets every cell about
+/// both keep the bound: each cell allows an interval of it, and their intersection must not be empty. The first
+/// neighbour that can is taken, at the least-squares elevation within the interval. Between passes every
+/// vertex moves to the least-squares elevation within its interval, and edges are flipped where that lowers the sum of squared errors
+/// and keeps the bound; both make room for the next. The third pass and later ones try only vertices beside which the one
+/// before removed something. At the end every triangle is proven exactly, and gets vertices where rounding left a cell beyond
+/// the bound.
+///
+/// No change makes a triangle whose height is less than a tenth of its longest edge, unless it was so before, or an edge that is too
+/// long. Vertices that are held stay as they are.
+/// Cost: each of the first two passes looks at each cell about 50 times.
 void simplify(TileMesh& mesh, const TileCells& cells, const TileBound& bound, int passes);
 
 }  // namespace arete
