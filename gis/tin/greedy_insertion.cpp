@@ -19,17 +19,23 @@ struct Candidate {
   std::int32_t row = 0, column = 0;
 };
 
-/// The cell nearest to the middle of a triangle that is too long, wherever it is off; its error is above all others.
+bool is_corner(const TileMesh& mesh, std::int32_t vertex, std::int32_t row, std::int32_t column) {
+  return mesh.x[vertex] == column * mesh.units && mesh.y[vertex] == row * mesh.units;
+}
+
+/// The cell nearest to the middle of a triangle that is not its corner, however little it is off; `error` is above all others, or 0 where
+/// there is none.
 Candidate middle_cell(const TileMesh& mesh, const TileCells& cells, std::int32_t a, std::int32_t b, std::int32_t c) {
   const double x = (static_cast<double>(mesh.x[a]) + mesh.x[b] + mesh.x[c]) / 3, y = (static_cast<double>(mesh.y[a]) + mesh.y[b] + mesh.y[c]) / 3;
   double nearest = std::numeric_limits<double>::infinity();
   Candidate candidate;
   for_each_span(mesh, cells, a, b, c, [&](std::int32_t row, std::int32_t first, std::int32_t last) {
-    const std::int32_t column = std::clamp(static_cast<std::int32_t>(std::lround(x / mesh.units)), first, last);
-    const double distance = std::hypot(column * mesh.units - x, row * mesh.units - y);
-    if (distance >= nearest) return;
-    nearest = distance;
-    candidate = {std::numeric_limits<float>::max(), row, column};
+    for (std::int32_t column = first; column <= last; ++column) {
+      const double distance = std::hypot(column * mesh.units - x, row * mesh.units - y);
+      if (distance >= nearest || is_corner(mesh, a, row, column) || is_corner(mesh, b, row, column) || is_corner(mesh, c, row, column)) continue;
+      nearest = distance;
+      candidate = {std::numeric_limits<float>::max(), row, column};
+    }
   });
   return candidate;
 }
@@ -45,7 +51,10 @@ Candidate worst_cell(const TileMesh& mesh, const TileCells& cells, std::int32_t 
     candidate.row = row;
     candidate.column = column;
   });
-  if (is_too_long(mesh, a, b, c, bound)) return middle_cell(mesh, cells, a, b, c);
+  if (is_too_long(mesh, a, b, c, bound)) {
+    const Candidate middle = middle_cell(mesh, cells, a, b, c);
+    if (middle.error > 0) return middle;
+  }
   if (worst < 0 || worst <= allowance(mesh, plane, a, b, c, bound)) return {};
   candidate.error = std::max(static_cast<float>(worst / plane.area2), std::numeric_limits<float>::min());
   return candidate;
@@ -78,10 +87,44 @@ class Waiting {
   std::size_t top_ = 0;
 };
 
-bool is_vertex(const TileMesh& mesh, std::int32_t triangle, const Candidate& candidate) {
-  for (const std::int32_t v : mesh.corners(triangle))
-    if (mesh.x[v] == candidate.column * mesh.units && mesh.y[v] == candidate.row * mesh.units) return true;
-  return false;
+/// The half-edge of a triangle that leaves the corner at the candidate; -1: the candidate is no corner.
+std::int32_t edge_from(const TileMesh& mesh, std::int32_t triangle, const Candidate& candidate) {
+  for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h)
+    if (is_corner(mesh, mesh.origin[h], candidate.row, candidate.column)) return h;
+  return -1;
+}
+
+/// Appends the triangles about the vertex that a half-edge leaves.
+void append_star(const TileMesh& mesh, std::int32_t edge, std::vector<std::int32_t>& triangles) {
+  std::int32_t h = edge;
+  do {
+    triangles.push_back(h / 3);
+    h = mesh.twin[previous_edge(h)];
+  } while (h >= 0 && h != edge);
+  if (h >= 0) return;
+  for (h = mesh.twin[edge]; h >= 0; h = mesh.twin[next_edge(h)]) triangles.push_back(h / 3);
+}
+
+/// A triangle that is too steep, its worst cell one of its corners: a corner that a simplification moved gets its own elevation back;
+/// else a cell beside the triangle is found, which makes it another one.
+void ease(TileMesh& mesh, const TileCells& cells, const TileBound& bound, std::int32_t corner, std::int32_t& triangle, Candidate& candidate,
+          std::vector<std::int32_t>& changed) {
+  const std::int32_t v = mesh.origin[corner];
+  const double own = round_height(cells(candidate.column, candidate.row), bound.height_step_m);
+  candidate.error = 0;
+  if (mesh.z[v] != own && !mesh.held[v]) {
+    mesh.z[v] = own;
+    return append_star(mesh, corner, changed);
+  }
+  const std::int32_t steep = triangle;
+  for (std::int32_t h = 3 * steep; h < 3 * steep + 3 && candidate.error == 0; ++h) {
+    if (mesh.twin[h] < 0) continue;
+    triangle = mesh.twin[h] / 3;
+    const auto [a, b, c] = mesh.corners(triangle);
+    candidate = middle_cell(mesh, cells, a, b, c);
+  }
+  if (candidate.error == 0) throw TooSteep();
+  changed.push_back(steep);
 }
 
 }  // namespace
@@ -103,15 +146,19 @@ void insert_greedily(TileMesh& mesh, const TileCells& cells, const TileBound& bo
   };
   look_at_changed();
   for (Waiting::Entry entry; waiting.take(entry);) {
-    const Candidate candidate = candidates[entry.triangle];
+    Candidate candidate = candidates[entry.triangle];
     if (candidate.error != entry.error) continue;  // it has changed since
-    if (is_vertex(mesh, entry.triangle, candidate)) {
-      if (candidate.error == std::numeric_limits<float>::max()) continue;  // long and so thin that no cell lies inside
-      throw TooSteep();
+    std::int32_t triangle = entry.triangle;
+    if (const std::int32_t corner = edge_from(mesh, triangle, candidate); corner >= 0) {
+      ease(mesh, cells, bound, corner, triangle, candidate, changed);
+      if (candidate.error == 0) {
+        look_at_changed();
+        continue;
+      }
     }
     const double z = round_height(cells(candidate.column, candidate.row), bound.height_step_m);
     const std::int32_t v = add_vertex(mesh, candidate.column * mesh.units, candidate.row * mesh.units, z, false);
-    insert_vertex(mesh, entry.triangle, v, changed);
+    insert_vertex(mesh, triangle, v, changed);
     look_at_changed();
   }
 }
