@@ -12,6 +12,7 @@
 #include "gis/dem_file.h"
 #include "gis/mesh/mesh_format.h"
 #include "gis/staged_files.h"
+#include "gis/tin/drape.h"
 #include "gis/tin/make_tin.h"
 #include "gis/tin/placed_mesh.h"
 #include "gis/tin/tin_goal.h"
@@ -30,7 +31,7 @@ struct TinArguments {
   double max_error = 0, rmse = 0;
   std::int64_t max_triangles = 0;
   int level = 0, passes = 3;
-  bool normals = false, draco = false;
+  bool normals = false, draco = false, drape = false;
 };
 
 // Elevations on Earth, from which a format's rounding is foreseen before any is read.
@@ -87,10 +88,21 @@ std::string describe(const TinArguments& arguments, const TinReport& report, dou
                      grouped(report.full_triangles), proven_m, report.rmse_m, grouped(report.cells));
 }
 
+/// Draws the relief and tells the writer of it: beside an OBJ, which names it, as its side file; for glTF, which holds it, as scratch.
+void add_drape(const RasterSource& raster, const GeoReference& geo, const PlacedMesh& mesh, const StagedFiles& staged, const MeshFormat& format,
+               const CommonOptions& common, Progress& progress, MeshWriteOptions& writing) {
+  const Drape drape = draw_drape(raster, geo, mesh, common.threads, progress);
+  const std::filesystem::path beside = std::filesystem::path(staged.staged()).replace_extension(".png");
+  writing.texture = format.name == "OBJ" ? beside.string() : staged.scratch("relief.png");
+  writing.texture_bounds = drape.bounds;
+  write_picture(writing.texture, drape.picture);
+}
+
 void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   const MeshFormat& format = mesh_format_of(arguments.output);
   if (arguments.normals && !format.holds_normals) throw Error(ErrorKind::usage, format.name + " holds no normals: leave --normals out, or write PLY, OBJ or glTF");
   if (arguments.draco && format.name != "glTF") throw Error(ErrorKind::usage, "--draco is of glTF: name the output .glb or .gltf");
+  if (arguments.drape && !format.holds_texture) throw Error(ErrorKind::usage, format.name + " holds no picture: leave --drape out, or write OBJ or glTF");
   StagedFiles staged(arguments.output, common.overwrite);
   const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads, arguments.level);
   limit_block_cache(common.memory_bytes / 8);
@@ -114,6 +126,7 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   const auto progress = make_progress(common);
   const Tin tin = make(*input.source, arguments, options, bound, *progress);
   const PlacedMesh mesh(tin.mesh, input.geo, input.source->size(), placement);
+  if (arguments.drape) add_drape(*input.source, input.geo, mesh, staged, format, common, *progress, writing);
   progress->begin("writing", 0);
   format.write(mesh, mesh.frame(), staged.staged(), writing);
   progress->end();
@@ -151,6 +164,7 @@ void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
       ->check(CLI::Range(0, 20));
   verb->add_flag("--normals", arguments->normals, "A normal for each vertex (PLY, OBJ, glTF)");
   verb->add_flag("--draco", arguments->draco, "Compress with Draco (glTF)");
+  verb->add_flag("--drape", arguments->drape, "Drape the shaded relief map over it (OBJ, glTF)");
   add_dem_options(verb, arguments->dem);
 }
 

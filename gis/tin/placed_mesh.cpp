@@ -134,6 +134,8 @@ void PlacedMesh::read_triangles(std::int64_t first, std::span<MeshTriangle> out)
 }
 
 const MeshFrame& PlacedMesh::frame() const { return impl_->frame; }
+bool PlacedMesh::is_in_plane_of_raster() const { return !impl_->plane.change; }
+bool PlacedMesh::is_geocentric() const { return impl_->plane.with_height; }
 
 MeshBounds PlacedMesh::bounds_of_raster(double low_m, double high_m) const {
   constexpr int points = 20;

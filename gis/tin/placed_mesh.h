@@ -31,6 +31,8 @@ class PlacedMesh final : public MeshSource {
   void read_triangles(std::int64_t first, std::span<MeshTriangle> out) const override;
 
   const MeshFrame& frame() const;
+  bool is_in_plane_of_raster() const;
+  bool is_geocentric() const;
   /// Of anything that lies over the raster, with elevations (m) between these; the border is followed with 20 points a side.
   MeshBounds bounds_of_raster(double low_m, double high_m) const;
   /// The least width of a cell in the units of x and y.
