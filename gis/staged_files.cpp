@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <vector>
 
 #include <fcntl.h>
@@ -38,6 +40,14 @@ void flush_to_disk(const fs::path& path, const fs::path& target) {
   ::close(file);
   // Some file systems cannot flush a folder; they say EINVAL.
   if (status != 0 && reason != EINVAL) fail(target, std::strerror(reason));
+}
+
+/// Whether a file has these very bytes already.
+bool same_bytes(const fs::path& a, const fs::path& b) {
+  std::error_code ignored;
+  if (!fs::is_regular_file(b, ignored) || fs::file_size(a, ignored) != fs::file_size(b, ignored)) return false;
+  std::ifstream first(a, std::ios::binary), second(b, std::ios::binary);
+  return std::equal(std::istreambuf_iterator<char>(first), {}, std::istreambuf_iterator<char>(second), {});
 }
 
 /// Renames; without `overwrite` never over a file that appeared meanwhile.
@@ -90,6 +100,8 @@ void StagedFiles::publish() {
   std::vector<fs::path> placed;
   try {
     for (const fs::path& name : names) {
+      // A mesh in another format beside this one has the same .prj.
+      if (!is_target(name) && same_bytes(folder_ / name, beside / name)) continue;
       move_into_place(folder_ / name, beside / name, overwrite_);
       placed.push_back(beside / name);
     }
@@ -100,7 +112,7 @@ void StagedFiles::publish() {
   }
   for (const char* suffix : side_file_suffixes) {
     const fs::path stale = target_.string() + suffix;
-    if (std::find(placed.begin(), placed.end(), beside / stale.filename()) == placed.end()) fs::remove(stale, ignored);
+    if (std::find(names.begin(), names.end(), stale.filename()) == names.end()) fs::remove(stale, ignored);
   }
   flush_to_disk(beside, target_);
 }

@@ -22,6 +22,7 @@ class StagedFiles {
   std::string scratch(const std::string& name) const { return (folder_ / "scratch" / name).string(); }
 
   /// Flushes every file to the disk, then moves them beside the target: side files first, the target last; flushes the folder.
+  /// A side file that is there already with the same bytes is left as it is.
   /// Side files of an overwritten target that the new one does not have are removed: they describe the old one.
   /// Throws Error{disk}; unless files were overwritten, nothing then has appeared.
   void publish();

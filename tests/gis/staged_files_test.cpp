@@ -55,6 +55,17 @@ TEST(StagedFiles, LeaveNothingWhenOneIsInTheWay) {
   EXPECT_EQ(folder.names(), std::vector<std::string>{"out.prj"});
 }
 
+TEST(StagedFiles, LetASideFileWithTheSameBytesBe) {
+  TestFolder folder;
+  put(folder / "out.prj", "the same");
+  StagedFiles files(folder / "out.asc", false);
+  put(files.staged(), "main");
+  put(std::filesystem::path(files.staged()).replace_extension(".prj").string(), "the same");
+  files.publish();
+  EXPECT_EQ(get(folder / "out.asc"), "main");
+  EXPECT_EQ(get(folder / "out.prj"), "the same");
+}
+
 TEST(StagedFiles, AreRefusedBesideSideFilesOfAnotherRaster) {
   TestFolder folder;
   put(folder / "out.tif.aux.xml", "of another");
