@@ -38,8 +38,14 @@ void split_worst(TileMesh& mesh, const TileCells& cells, const TileBound& bound,
     const auto [a, b, c] = mesh.corners(worst.triangle);
     const std::int32_t v = add_vertex(mesh, worst.column * mesh.units, worst.row * mesh.units,
                                       round_height(cells(worst.column, worst.row), bound.height_step_m), false);
-    const auto good = [&](std::int32_t from, std::int32_t to) { return orientation(mesh, from, to, v) > 0 && fit_of(mesh, cells, from, to, v, bound).keeps; };
-    if (good(a, b) && good(b, c) && good(c, a)) {
+    double squares = 0;
+    const auto good = [&](std::int32_t from, std::int32_t to) {
+      if (orientation(mesh, from, to, v) <= 0) return false;
+      const TriangleFit fit = fit_of(mesh, cells, from, to, v, bound);
+      squares += fit.squares;
+      return fit.keeps;
+    };
+    if (good(a, b) && good(b, c) && good(c, a) && squares < fit_of(mesh, cells, a, b, c, bound).squares) {
       split_triangle(mesh, worst.triangle, v);
       --splits;
     } else {

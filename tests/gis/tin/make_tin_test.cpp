@@ -13,6 +13,7 @@
 #include "gis/mesh/check_mesh.h"
 #include "gis/tin/placed_mesh.h"
 #include "tests/data.h"
+#include "tests/gis/tin/tile_rasters.h"
 
 namespace arete {
 namespace {
@@ -20,30 +21,7 @@ namespace {
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class Cells final : public RasterSource {
- public:
-  explicit Cells(Raster<float> cells) : cells_(std::move(cells)) {}
-  Size size() const override { return cells_.size(); }
-  void read(const Window& window, RasterView<float> out) const override {
-    for (std::int64_t y = 0; y < window.height; ++y)
-      for (std::int64_t x = 0; x < window.width; ++x) out(x, y) = cells_(window.x + x, window.y + y);
-  }
-
- private:
-  Raster<float> cells_;
-};
-
 double random_share(std::uint64_t seed, std::uint64_t x, std::uint64_t y) { return static_cast<double>(hash_position(seed, x, y) >> 11) * 0x1p-53; }
-
-/// Waves with noise on them.
-Raster<float> waves(std::int64_t width, std::int64_t height, double noise) {
-  Raster<float> cells(width, height);
-  for (std::int64_t y = 0; y < height; ++y)
-    for (std::int64_t x = 0; x < width; ++x)
-      cells(x, y) = static_cast<float>(500 + 80 * std::sin(static_cast<double>(x) / 37) + 60 * std::cos(static_cast<double>(x + 2 * y) / 53) +
-                                       noise * random_share(1, static_cast<std::uint64_t>(x), static_cast<std::uint64_t>(y)));
-  return cells;
-}
 
 TinOptions with_passes(int passes) {
   TinOptions options;
@@ -112,7 +90,7 @@ Raster<float> random_raster(std::uint64_t seed) {
 TEST(MakeTin, AnyRasterKeepsAnyBound) {
   int meshed = 0;
   for (std::uint64_t seed = 0; seed < 600; ++seed) {
-    const Cells raster(random_raster(seed));
+    const HeldRaster raster(random_raster(seed));
     const double bounds[] = {0.001, 0.25, 0.5, 1, 2, 7.3, 100};
     const double bound = bounds[seed % 7];
     Tin tin;
@@ -129,7 +107,7 @@ TEST(MakeTin, AnyRasterKeepsAnyBound) {
 }
 
 TEST(MakeTin, TilesJoinToOneManifold) {
-  const Cells raster(waves(2300, 1600, 3));
+  const HeldRaster raster(noisy_waves(2300, 1600, 3));
   const Tin tin = mesh_of(raster, 5);
   EXPECT_THAT(faults(tin, raster, 5), IsEmpty());
   NoProgress silent;
@@ -138,9 +116,9 @@ TEST(MakeTin, TilesJoinToOneManifold) {
 }
 
 TEST(MakeTin, ThreadsAndMemoryDoNotShow) {
-  Raster<float> cells = waves(1900, 1600, 3);
+  Raster<float> cells = noisy_waves(1900, 1600, 3);
   for (std::int64_t x = 900; x < 1100; ++x) cells(x, 1000 + x % 50) = void_value;
-  const Cells raster(std::move(cells));
+  const HeldRaster raster(std::move(cells));
   const Tin one = mesh_of(raster, 4, with_threads(1));
   EXPECT_THAT(faults(one, raster, 4), IsEmpty());
   const Scratch little{std::int64_t{1} << 20, std::filesystem::temp_directory_path().string()};
@@ -153,7 +131,7 @@ TEST(MakeTin, ThreadsAndMemoryDoNotShow) {
 }
 
 TEST(MakeTin, SimplificationSavesAFifthAndMore) {
-  const Cells raster(waves(500, 400, 6));
+  const HeldRaster raster(noisy_waves(500, 400, 6));
   const Tin greedy = mesh_of(raster, 4, with_passes(0)), simplified = mesh_of(raster, 4);
   EXPECT_LT(static_cast<double>(simplified.report.triangles), 0.8 * static_cast<double>(greedy.report.triangles));
 }
@@ -162,7 +140,7 @@ TEST(MakeTin, APlaneIsTwoTriangles) {
   Raster<float> cells(300, 200);
   for (std::int64_t y = 0; y < 200; ++y)
     for (std::int64_t x = 0; x < 300; ++x) cells(x, y) = static_cast<float>(100 + 2 * x - 3 * y);
-  const Tin tin = mesh_of(Cells(std::move(cells)), 0.01);
+  const Tin tin = mesh_of(HeldRaster(std::move(cells)), 0.01);
   EXPECT_EQ(tin.report.triangles, 2);
   EXPECT_EQ(tin.report.full_triangles, 2 * 299 * 199);
   EXPECT_EQ(tin.report.max_error_m, 0);
@@ -171,7 +149,7 @@ TEST(MakeTin, APlaneIsTwoTriangles) {
 TEST(MakeTin, AnIslandOfOneCellIsASquare) {
   Raster<float> cells(9, 9, void_value);
   cells(4, 4) = 7;
-  const Cells raster(std::move(cells));
+  const HeldRaster raster(std::move(cells));
   const Tin tin = mesh_of(raster, 1);
   EXPECT_EQ(tin.report.triangles, 2);
   EXPECT_EQ(tin.report.cells, 1);
@@ -179,7 +157,7 @@ TEST(MakeTin, AnIslandOfOneCellIsASquare) {
 }
 
 TEST(MakeTin, EdgesAreNoLongerThanAllowed) {
-  const Cells raster(Raster<float>(400, 300, 5.0f));
+  const HeldRaster raster(Raster<float>(400, 300, 5.0f));
   TinOptions options;
   options.displacement.longest_cells = 50;
   const Tin tin = mesh_of(raster, 1, options);
@@ -193,16 +171,16 @@ TEST(MakeTin, EdgesAreNoLongerThanAllowed) {
 }
 
 TEST(MakeTin, RefusesWhatHasNoSurface) {
-  EXPECT_THROW(mesh_of(Cells(Raster<float>(1, 1, 3.0f)), 1), Error);
-  EXPECT_THROW(mesh_of(Cells(Raster<float>(50, 1, 3.0f)), 1), Error);
-  EXPECT_THROW(mesh_of(Cells(Raster<float>(50, 40, void_value)), 1), Error);
-  EXPECT_THROW(mesh_of(Cells(Raster<float>(50, 40, 3.0f)), 0), Error);
-  EXPECT_THROW(mesh_of(Cells(Raster<float>(50, 40, 3.0f)), -1), Error);
-  EXPECT_THROW(mesh_of(Cells(Raster<float>(50, 40, 3.0f)), std::nan("")), Error);
+  EXPECT_THROW(mesh_of(HeldRaster(Raster<float>(1, 1, 3.0f)), 1), Error);
+  EXPECT_THROW(mesh_of(HeldRaster(Raster<float>(50, 1, 3.0f)), 1), Error);
+  EXPECT_THROW(mesh_of(HeldRaster(Raster<float>(50, 40, void_value)), 1), Error);
+  EXPECT_THROW(mesh_of(HeldRaster(Raster<float>(50, 40, 3.0f)), 0), Error);
+  EXPECT_THROW(mesh_of(HeldRaster(Raster<float>(50, 40, 3.0f)), -1), Error);
+  EXPECT_THROW(mesh_of(HeldRaster(Raster<float>(50, 40, 3.0f)), std::nan("")), Error);
 }
 
 TEST(MakeTin, SaysTheLeastBoundThatTheRoundingAllows) {
-  const Cells raster(waves(60, 50, 100));
+  const HeldRaster raster(noisy_waves(60, 50, 100));
   TinOptions options;
   options.displacement.rounding_cells = 0.01;
   try {
