@@ -101,8 +101,8 @@ TEST(SplitWorst, MakesTwoTrianglesMoreEachAndKeepsTheBound) {
   };
   const std::int32_t before = mesh.triangles();
   const double squares_before = squares();
-  split_worst(mesh, cells.view(), bound, 20);
-  EXPECT_EQ(mesh.triangles(), before + 40);
+  split_worst(mesh, cells.view(), bound, 5);
+  EXPECT_EQ(mesh.triangles(), before + 10);
   EXPECT_EQ(triangles_beyond(mesh, cells.view(), bound), 0);
   EXPECT_LT(squares(), squares_before);
 }
