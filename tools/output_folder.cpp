@@ -4,7 +4,9 @@
 #include <cstring>
 #include <system_error>
 
+#include <fcntl.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 #include "core/support/error.h"
 
@@ -41,6 +43,29 @@ void OutputFolder::publish() {
       fs::remove(staging_);
     }
     staging_.clear();
+  } catch (const fs::filesystem_error& error) {
+    throw Error(ErrorKind::disk, path_.string() + ": cannot put the results there: " + error.code().message());
+  }
+}
+
+void OutputFolder::publish_whole() {
+  if (const int folder = ::open(staging_.c_str(), O_RDONLY | O_CLOEXEC); folder >= 0) {
+    const int status = ::syncfs(folder), reason = errno;
+    ::close(folder);
+    if (status != 0) throw Error(ErrorKind::disk, path_.string() + ": cannot write: " + std::strerror(reason));
+  }
+  try {
+    if (!fs::exists(path_)) {
+      fs::rename(staging_, path_);
+      staging_.clear();
+      return;
+    }
+    // The old folder lies inside the hidden one while the new one takes its name; the destructor removes both.
+    std::string aside = (path_.parent_path() / ".arete-XXXXXX").string();
+    if (mkdtemp(aside.data()) == nullptr) throw Error(ErrorKind::disk, path_.string() + ": cannot write beside it: " + std::strerror(errno));
+    fs::rename(path_, fs::path(aside) / "old");
+    fs::rename(staging_, path_);
+    staging_ = aside;
   } catch (const fs::filesystem_error& error) {
     throw Error(ErrorKind::disk, path_.string() + ": cannot put the results there: " + error.code().message());
   }

@@ -20,6 +20,10 @@ class OutputFolder {
   std::string file(const std::string& name) const { return (staging_ / name).string(); }
   /// Makes the folder appear. Files of the same name in a folder that existed are replaced, others are kept.
   void publish();
+  /// Makes the folder appear as a whole: where one existed it goes, with all that it held. Flushed to the disk first.
+  void publish_whole();
+  /// Where everything is to be written.
+  std::string staging() const { return staging_.string(); }
 
  private:
   std::filesystem::path path_;

@@ -20,6 +20,7 @@
 #include "tools/dem_options.h"
 #include "tools/elevation_input.h"
 #include "tools/mesh_report.h"
+#include "tools/tin_tiles.h"
 #include "tools/verbs.h"
 
 namespace arete::tools {
@@ -31,7 +32,7 @@ struct TinArguments {
   double max_error = 0, rmse = 0;
   std::int64_t max_triangles = 0;
   int level = 0, passes = 3;
-  bool normals = false, draco = false, drape = false;
+  bool normals = false, draco = false, drape = false, fill = false;
 };
 
 // Elevations on Earth, from which a format's rounding is foreseen before any is read.
@@ -98,7 +99,16 @@ void add_drape(const RasterSource& raster, const GeoReference& geo, const Placed
   write_picture(writing.texture, drape.picture);
 }
 
+void make_tiles(const TinArguments& arguments, const CommonOptions& common) {
+  if (!(arguments.max_error > 0)) throw Error(ErrorKind::usage, "tiles for Cesium are made within an error: give --max-error");
+  if (!arguments.crs.empty() || arguments.normals || arguments.draco)
+    throw Error(ErrorKind::usage, "tiles for Cesium are in longitude and latitude, without normals: leave --crs, --normals and --draco out");
+  run_tin_tiles({arguments.input, arguments.output, arguments.dem, arguments.max_error, arguments.level, arguments.passes, arguments.fill}, common);
+}
+
 void run_tin(const TinArguments& arguments, const CommonOptions& common) {
+  if (is_tile_set_path(arguments.output)) return make_tiles(arguments, common);
+  if (arguments.fill) throw Error(ErrorKind::usage, "--fill is for tiles for Cesium; a mesh leaves voids open");
   const MeshFormat& format = mesh_format_of(arguments.output);
   if (arguments.normals && !format.holds_normals) throw Error(ErrorKind::usage, format.name + " holds no normals: leave --normals out, or write PLY, OBJ or glTF");
   if (arguments.draco && format.name != "glTF") throw Error(ErrorKind::usage, "--draco is of glTF: name the output .glb or .gltf");
@@ -144,13 +154,13 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
 void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<TinArguments>();
   CLI::App* verb = add_verb(app, "tin", "Turn a DEM or a tree (.sct) into a triangle mesh (TIN) whose vertical error is proven",
-                            "arete tin dem.tif mesh.ply --max-error 5\narete tin dem.tif mesh.glb --max-triangles 100000 --normals", common,
+                            "arete tin dem.tif mesh.ply --max-error 5\narete tin dem.tif mesh.glb --max-triangles 100000 --normals\narete tin dem.tif dem.tiles --max-error 2", common,
                             [arguments, common] { run_tin(*arguments, *common); });
   std::string formats;
   for (const MeshFormat& format : mesh_formats())
     for (const std::string& extension : format.extensions) formats += (formats.empty() ? "" : " ") + extension;
   verb->add_option("IN", arguments->input, "The DEM, anything that GDAL opens, or a tree (.sct)")->required();
-  verb->add_option("OUT", arguments->output, "The mesh, by its extension: " + formats)->required();
+  verb->add_option("OUT", arguments->output, "The mesh, by its extension: " + formats + "; or a folder of quantized-mesh tiles for Cesium: .tiles, or a name that ends in /")->required();
   CLI::Option_group* target = verb->add_option_group("target", "What the mesh must reach; one of them");
   target->add_option("--max-error", arguments->max_error, "No cell is further from the mesh than this, vertically, in metres")->check(above_zero());
   target->add_option("--max-triangles", arguments->max_triangles, "The most faithful mesh of at most this many triangles")->check(CLI::Range(std::int64_t{2}, std::int64_t{1} << 40));
@@ -163,6 +173,7 @@ void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_option("--passes", arguments->passes, "Passes of simplification: 0 leaves greedy insertion as it is, more than the default of 3 gain little")
       ->check(CLI::Range(0, 20));
   verb->add_flag("--normals", arguments->normals, "A normal for each vertex (PLY, OBJ, glTF)");
+  verb->add_flag("--fill", arguments->fill, "Tiles for Cesium: ground at height 0 where the DEM has none, at the deepest level too, which else has holes there");
   verb->add_flag("--draco", arguments->draco, "Compress with Draco (glTF)");
   verb->add_flag("--drape", arguments->drape, "Drape the shaded relief map over it (OBJ, glTF)");
   add_dem_options(verb, arguments->dem);

@@ -25,4 +25,11 @@ FileReport verify_tree(const VerifyOptions& options, const CommonOptions& common
 /// or is not sound; without a bound says what it finds.
 FileReport verify_mesh(const VerifyOptions& options, const CommonOptions& common);
 
+/// Whether a path is a folder, and so a set of terrain tiles.
+bool is_tile_set(const std::string& path);
+
+/// A set of quantized-mesh tiles: every tile by itself and beside its neighbours, and every cell of the DEM. Throws Error{damaged} where
+/// it is not sound or breaks the bound.
+FileReport verify_tiles(const VerifyOptions& options, const CommonOptions& common);
+
 }  // namespace arete::tools

@@ -1,7 +1,11 @@
 #include "gis/tin/mesh_tile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "gis/tin/greedy_insertion.h"
@@ -45,7 +49,8 @@ double line_reserve(const TileOptions& options) { return options.displacement.an
 
 std::vector<Polyline> simplify_side(RasterView<const float> given, RasterView<const float> rounded, bool column, std::int64_t index,
                                     const TileOptions& options) {
-  const LineBound bound{bound_for(line_of(given, column, index), options.max_error_m - line_reserve(options)), options.height_step_m, 2,
+  const double error_m = options.side_error_m > 0 ? options.side_error_m : options.max_error_m;
+  const LineBound bound{bound_for(line_of(given, column, index), error_m - line_reserve(options)), options.height_step_m, 2,
                         options.displacement.longest_cells};
   return simplify_line(line_of(rounded, column, index), bound);
 }
@@ -97,6 +102,56 @@ TileErrors measure(const TileMesh& mesh, RasterView<const float> cells, const Ti
   return errors;
 }
 
+/// The triangle in or on which a place lies; -1: none.
+std::int32_t find_triangle(const TileMesh& mesh, std::int32_t vertex) {
+  for (std::int32_t t = 0; t < mesh.triangles(); ++t) {
+    const auto [a, b, c] = mesh.corners(t);
+    if (orientation(mesh, a, b, vertex) >= 0 && orientation(mesh, b, c, vertex) >= 0 && orientation(mesh, c, a, vertex) >= 0) return t;
+  }
+  return -1;
+}
+
+/// Makes the corners of the squares vertices, which are held.
+class SquareKeeper {
+ public:
+  SquareKeeper(TileMesh& mesh, const TileCells& cells, double height_step_m) : mesh_(mesh), cells_(cells), step_(height_step_m) {
+    for (std::int32_t v = 0; v < mesh.vertices(); ++v) numbers_[{mesh.x[v], mesh.y[v]}] = v;
+  }
+
+  void keep(std::span<const CellSquare> squares) {
+    for (const CellSquare& s : squares)
+      for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}}) insert(s.column + dx, s.row + dy);
+    std::set<std::pair<Place, Place>> sides;
+    for (const CellSquare& s : squares) {
+      const std::array<Place, 4> corners{place_of(s.column, s.row), place_of(s.column + 1, s.row), place_of(s.column + 1, s.row + 1), place_of(s.column, s.row + 1)};
+      for (std::size_t i = 0; i < 4; ++i) sides.insert({corners[i], corners[(i + 1) % 4]}), sides.insert({corners[(i + 1) % 4], corners[i]});
+    }
+    for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh_.origin.size()); ++h) {
+      const std::int32_t a = mesh_.origin[h], b = mesh_.origin[next_edge(h)];
+      if (sides.contains({{mesh_.x[a], mesh_.y[a]}, {mesh_.x[b], mesh_.y[b]}})) mesh_.fixed[h] = 1;
+    }
+  }
+
+ private:
+  using Place = std::pair<std::int32_t, std::int32_t>;
+  Place place_of(std::int32_t column, std::int32_t row) const { return {column * mesh_.units, row * mesh_.units}; }
+
+  void insert(std::int32_t column, std::int32_t row) {
+    const Place place = place_of(column, row);
+    if (column < 1 || row < 1 || column + 2 > cells_.width || row + 2 > cells_.height || is_void(cells_(column, row)) || numbers_.contains(place)) return;
+    const std::int32_t vertex = add_vertex(mesh_, place.first, place.second, round_height(cells_(column, row), step_), true);
+    numbers_[place] = vertex;
+    const std::int32_t triangle = find_triangle(mesh_, vertex);
+    std::vector<std::int32_t> changed;
+    insert_vertex(mesh_, triangle, vertex, changed);
+  }
+
+  TileMesh& mesh_;
+  const TileCells& cells_;
+  double step_;
+  std::map<Place, std::int32_t> numbers_;
+};
+
 }  // namespace
 
 MeshedTile mesh_tile(RasterView<const float> given, const TileOptions& options, bool last_column, bool last_row) {
@@ -111,6 +166,7 @@ MeshedTile mesh_tile(RasterView<const float> given, const TileOptions& options, 
                         options.displacement};
   tile.mesh = sort_mesh(tile.mesh);
   tile.mesh.leaving.clear();
+  if (!options.squares.empty()) SquareKeeper(tile.mesh, cells, options.height_step_m).keep(options.squares);
   insert_greedily(tile.mesh, cells, bound);
   link_vertices(tile.mesh);
   simplify(tile.mesh, cells, bound, options.passes);

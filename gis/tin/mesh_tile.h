@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "gis/tin/tile_cells.h"
 #include "gis/tin/tile_domain.h"
@@ -8,12 +9,21 @@
 
 namespace arete {
 
+/// Four cells of a tile, by the one with the least column and row.
+struct CellSquare {
+  std::int32_t column = 0, row = 0;
+};
+
 struct TileOptions {
   double max_error_m = 1;
   double height_step_m = 1.0 / 1024;  ///< a power of two
   Displacement displacement;
   int passes = 3;                     ///< of simplify(); 0: greedy insertion alone
   double extra_share = 0;             ///< of the triangles at the end, which are spent again on the worst ones (split_worst)
+  double side_error_m = 0;            ///< the bound of the four sides, where it is to be another than that of the inside; 0: the same
+  /// Squares whose corners are to be vertices, at the elevations of their cells, and whose sides are to be edges; but corners that are void
+  /// or on a side of the tile.
+  std::span<const CellSquare> squares = {};
 };
 
 /// What the cells of a tile lie off its mesh. The outer rows and columns are shared: each tile counts its top row and left
