@@ -15,6 +15,7 @@
 #include "gis/tin/drape.h"
 #include "gis/tin/make_tin.h"
 #include "gis/tin/placed_mesh.h"
+#include "gis/tin/read_lines.h"
 #include "gis/tin/tin_goal.h"
 #include "tools/command.h"
 #include "tools/dem_options.h"
@@ -27,7 +28,7 @@ namespace arete::tools {
 namespace {
 
 struct TinArguments {
-  std::string input, output, crs;
+  std::string input, output, crs, breaklines, boundary;
   DemReadOptions dem;
   double max_error = 0, rmse = 0;
   std::int64_t max_triangles = 0;
@@ -103,7 +104,32 @@ void make_tiles(const TinArguments& arguments, const CommonOptions& common) {
   if (!(arguments.max_error > 0)) throw Error(ErrorKind::usage, "tiles for Cesium are made within an error: give --max-error");
   if (!arguments.crs.empty() || arguments.normals || arguments.draco)
     throw Error(ErrorKind::usage, "tiles for Cesium are in longitude and latitude, without normals: leave --crs, --normals and --draco out");
+  if (!arguments.breaklines.empty() || !arguments.boundary.empty())
+    throw Error(ErrorKind::usage, "tiles for Cesium take no lines yet: leave --breaklines and --boundary out, or write another format");
   run_tin_tiles({arguments.input, arguments.output, arguments.dem, arguments.max_error, arguments.level, arguments.passes, arguments.fill}, common);
+}
+
+void warn_of(const LinesInRaster& lines, const std::string& file, const std::string& raster, const CommonOptions& common) {
+  if (lines.crs_unknown) warn(common, fmt::format("one of '{}' and '{}' names no CRS: their coordinates are taken for those of the same", file, raster));
+}
+
+/// Lines in the raster. A boundary that does not meet it is an error, breaklines that do not are none.
+TinLines read_lines(const TinArguments& arguments, const ElevationInput& input, const CommonOptions& common) {
+  TinLines lines;
+  const Size size = input.source->size();
+  if (!arguments.breaklines.empty()) {
+    LinesInRaster read = read_breaklines(arguments.breaklines, input.geo, size);
+    warn_of(read, arguments.breaklines, arguments.input, common);
+    if (read.lines.empty()) warn(common, fmt::format("none of the {} features of '{}' meets '{}': no breaklines", read.features, arguments.breaklines, arguments.input));
+    lines.breaklines = std::move(read.lines);
+  }
+  if (!arguments.boundary.empty()) {
+    LinesInRaster read = read_boundary(arguments.boundary, input.geo, size);
+    warn_of(read, arguments.boundary, arguments.input, common);
+    if (read.features_inside == 0) throw Error(ErrorKind::input, fmt::format("the boundary '{}' lies outside '{}': is its CRS right?", arguments.boundary, arguments.input));
+    lines.boundary = std::move(read.lines);
+  }
+  return lines;
 }
 
 void run_tin(const TinArguments& arguments, const CommonOptions& common) {
@@ -131,6 +157,7 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   TinOptions options;
   options.passes = arguments.passes;
   options.displacement = bound.displacement;
+  options.lines = read_lines(arguments, input, common);
   options.threads = common.threads;
   options.scratch = {common.memory_bytes / 4 * 3, std::filesystem::absolute(arguments.output).parent_path().string()};
   const auto progress = make_progress(common);
@@ -154,7 +181,7 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
 void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<TinArguments>();
   CLI::App* verb = add_verb(app, "tin", "Turn a DEM or a tree (.sct) into a triangle mesh (TIN) whose vertical error is proven",
-                            "arete tin dem.tif mesh.ply --max-error 5\narete tin dem.tif mesh.glb --max-triangles 100000 --normals\narete tin dem.tif dem.tiles --max-error 2", common,
+                            "arete tin dem.tif mesh.ply --max-error 5\narete tin dem.tif mesh.glb --max-triangles 100000 --normals\narete tin dem.tif dem.tiles --max-error 2\narete tin dem.tif mesh.ply --max-error 5 --breaklines rivers.gpkg --boundary area.gpkg", common,
                             [arguments, common] { run_tin(*arguments, *common); });
   std::string formats;
   for (const MeshFormat& format : mesh_formats())
@@ -169,6 +196,9 @@ void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_option("--crs", arguments->crs,
                    "Coordinates in this CRS: EPSG:32632, WKT, 'utm' (the zone of the DEM) or 'ecef' (default: the DEM's; for OBJ, STL, DXF, LandXML and glTF of a "
                    "DEM in degrees: utm)");
+  verb->add_option("--breaklines", arguments->breaklines,
+                   "Lines that become edges of the mesh: rivers, roads, ridges, outlines of polygons; anything that OGR reads, in any CRS (FILE or 'FILE|LAYER')");
+  verb->add_option("--boundary", arguments->boundary, "Polygons that the mesh is clipped to (FILE or 'FILE|LAYER'); check such a mesh with arete verify --clipped");
   verb->add_option("--level", arguments->level, "Of a tree: 0 is the raster; each level more halves the cells along each side")->check(CLI::Range(0, 40));
   verb->add_option("--passes", arguments->passes, "Passes of simplification: 0 leaves greedy insertion as it is, more than the default of 3 gain little")
       ->check(CLI::Range(0, 20));

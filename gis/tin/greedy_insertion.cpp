@@ -7,6 +7,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/support/error.h"
 #include "gis/tin/heights.h"
 #include "gis/tin/triangle_errors.h"
 
@@ -56,6 +57,11 @@ Candidate worst_cell(const TileMesh& mesh, const TileCells& cells, std::int32_t 
     if (middle.error > 0) return middle;
   }
   if (worst < 0 || worst <= allowance(mesh, plane, a, b, c, bound)) return {};
+  if (mesh.units != 2) {
+    const WorstCell beyond = worst_beyond(mesh, cells, a, b, c, plane, bound);
+    if (beyond.difference < 0) return {};
+    worst = beyond.difference, candidate.row = beyond.row, candidate.column = beyond.column;
+  }
   candidate.error = std::max(static_cast<float>(worst / plane.area2), std::numeric_limits<float>::min());
   return candidate;
 }
@@ -127,6 +133,24 @@ void ease(TileMesh& mesh, const TileCells& cells, const TileBound& bound, std::i
   changed.push_back(steep);
 }
 
+/// The triangle that has a vertex in it, from one close by; -1 where it lies outside the mesh.
+std::int32_t triangle_around(const TileMesh& mesh, std::int32_t triangle, std::int32_t vertex) {
+  constexpr int most_steps = 1000;
+  std::int32_t h = 3 * triangle;
+  for (int seen = 0, step = 0; seen < 3; ++step) {
+    if (step > most_steps) return -1;
+    if (orientation(mesh, mesh.origin[h], mesh.origin[next_edge(h)], vertex) >= 0) {
+      ++seen;
+      h = next_edge(h);
+      continue;
+    }
+    if (mesh.twin[h] < 0) return -1;
+    h = mesh.twin[h];
+    seen = 0;
+  }
+  return h / 3;
+}
+
 }  // namespace
 
 void insert_greedily(TileMesh& mesh, const TileCells& cells, const TileBound& bound) {
@@ -158,6 +182,12 @@ void insert_greedily(TileMesh& mesh, const TileCells& cells, const TileBound& bo
     }
     const double z = round_height(cells(candidate.column, candidate.row), bound.height_step_m);
     const std::int32_t v = add_vertex(mesh, candidate.column * mesh.units, candidate.row * mesh.units, z, false);
+    if (mesh.units != 2) {
+      // The cell may lie beyond the triangle by as little as a file's noise: what triangle it is in looks after it.
+      triangle = triangle_around(mesh, triangle, v);
+      if (triangle < 0 || edge_from(mesh, triangle, candidate) >= 0)
+        throw Error(ErrorKind::input, "lines leave a triangle thinner than a ten-millionth of a cell: simplify them first");
+    }
     insert_vertex(mesh, triangle, v, changed);
     look_at_changed();
   }

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <set>
 #include <string>
 #include <unordered_map>
+#include <utility>
 #include <vector>
 
 #include "core/support/error.h"
 #include "core/support/parallel.h"
+#include "gis/tin/drape_lines.h"
 #include "gis/tin/greedy_insertion.h"
 #include "gis/tin/mesh_tile.h"
 
@@ -17,6 +21,7 @@ namespace {
 
 constexpr std::int64_t tile_cells = 1024;
 constexpr std::int64_t tile_memory = std::int64_t{240} << 20;  // of the worst: every cell a vertex
+constexpr double least_tolerance = 8;  // of the arrangement of lines, in roundings of the file: no triangle turns over
 
 /// The first cells of the tiles along one side, and the last cell: tile i has the cells [edges[i], edges[i + 1]], both included.
 std::vector<std::int64_t> tile_edges(std::int64_t cells) {
@@ -44,15 +49,18 @@ class Welder {
     std::int64_t next = mesh_.vertices();
     for (std::int32_t v = 0; v < tile.vertices(); ++v) {
       const std::int32_t x = tile.x[v], y = tile.y[v];
-      const std::int64_t known = y == 0 && row > 0 ? above_.at(left_units + x) : x == 0 && column > 0 ? before_.at(y) : -1;
+      const std::int64_t known = find(x, y, left_units, right, bottom, column, row, after);
       number[v] = known >= 0 ? known : next++;
       if (known < 0)
         vertices.push_back({static_cast<double>(columns_[column]) + static_cast<double>(x) / tile.units,
                             static_cast<double>(rows_[row]) + static_cast<double>(y) / tile.units, tile.z[v]});
+      if (x == 0) first_[y] = number[v];
+      if (y == 0) top_[left_units + x] = number[v];
       if (x == right) after[y] = number[v];
       if (y == bottom) below_[left_units + x] = number[v];
     }
     before_ = std::move(after);
+    first_.clear(), top_.clear();
     std::vector<MeshTriangle> triangles;
     triangles.reserve(tile.origin.size() / 3);
     for (std::int32_t t = 0; t < tile.triangles(); ++t) {
@@ -65,11 +73,58 @@ class Welder {
 
  private:
   using Line = std::unordered_map<std::int64_t, std::int64_t>;  // numbers of vertices by their place on a border
+
+  static std::int64_t find(const Line& line, std::int64_t at) {
+    const auto found = line.find(at);
+    return found == line.end() ? -1 : found->second;
+  }
+  /// The number of a vertex on a side of the tile that this tile or an earlier one has had; -1: none. Within a boundary an earlier tile may have no triangles
+  /// there, or the tile several vertices in one place, which become one.
+  std::int64_t find(std::int32_t x, std::int32_t y, std::int64_t left_units, std::int32_t right, std::int32_t bottom, std::size_t column, std::size_t row,
+                    const Line& after) const {
+    std::int64_t known = -1;
+    if (y == 0 && row > 0) known = find(above_, left_units + x);
+    if (known < 0 && x == 0 && column > 0) known = find(before_, y);
+    if (known < 0 && x == 0) known = find(first_, y);
+    if (known < 0 && y == 0) known = find(top_, left_units + x);
+    if (known < 0 && x == right) known = find(after, y);
+    if (known < 0 && y == bottom) known = find(below_, left_units + x);
+    return known;
+  }
+
   MeshStore& mesh_;
   const std::vector<std::int64_t>& columns_;
   const std::vector<std::int64_t>& rows_;
   Line above_, below_, before_;
+  Line first_, top_;  // of the tile at hand
 };
+
+/// Cells on sides of tiles, each once.
+class SideCells {
+ public:
+  /// Tiles in their order; (x, y) is the first cell of each.
+  void add(const std::vector<SideCell>& cells, std::int64_t x, std::int64_t y, bool first_of_row, TileErrors& errors) {
+    if (first_of_row) std::erase_if(seen_, [&](const auto& cell) { return cell.second < y; });
+    for (const SideCell& cell : cells) {
+      if (!seen_.emplace(x + cell.column, y + cell.row).second) continue;
+      errors.max_error_m = std::max(errors.max_error_m, std::abs(cell.error_m));
+      errors.squares += cell.error_m * cell.error_m;
+      ++errors.cells;
+    }
+  }
+
+ private:
+  std::set<std::pair<std::int64_t, std::int64_t>> seen_;
+};
+
+DomainLines lines_of(const LineArrangement& arrangement, const TinLines& lines, const Window& window, std::size_t column, std::size_t row) {
+  DomainLines domain{arrangement.of_tile(column, row), {}};
+  if (!lines.boundary.empty())
+    domain.inside = [&lines, window](const RasterPlace& place) {
+      return is_inside(lines.boundary, {place[0] + static_cast<double>(window.x), place[1] + static_cast<double>(window.y)});
+    };
+  return domain;
+}
 
 void check(const Size& size, const TinOptions& options) {
   if (!(options.max_error_m > 0) || !std::isfinite(options.max_error_m))
@@ -96,6 +151,18 @@ double least_bound(const RasterSource& raster, const Displacement& moved) {
   return (moved.rounding_cells + moved.bend_cells * diagonal2) * static_cast<double>(steepest) + moved.sag_m * diagonal2;
 }
 
+[[noreturn]] void fail_too_steep(const RasterSource& raster, const TinOptions& options) {
+  char text[240];
+  const char* moves = "the format or the CRS of the mesh moves coordinates by up to %.2g cells, too much for %g m ";
+  const int length = std::snprintf(text, sizeof text, moves, options.displacement.rounding_cells, options.max_error_m);
+  const std::size_t end = static_cast<std::size_t>(length);
+  if (options.lines.empty())
+    std::snprintf(text + end, sizeof text - end, "on terrain so steep: the bound must be at least %.3g m", 1.01 * least_bound(raster, options.displacement));
+  else
+    std::snprintf(text + end, sizeof text - end, "beside lines on terrain so steep: raise the bound, or write PLY in the CRS of the DEM");
+  throw Error(ErrorKind::format, text);
+}
+
 }  // namespace
 
 double height_step(double max_error_m) {
@@ -113,10 +180,16 @@ Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& prog
   const std::int64_t store_memory = options.scratch.memory_bytes / 4, tiles = std::max<std::int64_t>(1, (options.scratch.memory_bytes - store_memory) / tile_memory);
   const std::int64_t threads = std::min<std::int64_t>(tiles, resolve_threads(options.threads)), at_a_time = std::min(tiles, 4 * threads);
 
+  std::optional<LineArrangement> arrangement;
+  if (!options.lines.empty())
+    arrangement.emplace(drape_lines(raster, options.lines, columns, rows, options.max_error_m / 2, options.displacement.longest_cells), columns, rows,
+                        least_tolerance * options.displacement.rounding_cells);
+
   Tin tin;
   tin.mesh = MeshStore(options.scratch, store_memory);
   Welder welder(tin.mesh, columns, rows);
   TileErrors errors;
+  SideCells side_cells;
   progress.begin("meshing", size.cells());
   std::vector<MeshedTile> batch(static_cast<std::size_t>(at_a_time));
   for (std::int64_t first = 0; first < count; first += at_a_time) {
@@ -126,22 +199,22 @@ Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& prog
       const Window window{columns[column], rows[row], columns[column + 1] - columns[column] + 1, rows[row + 1] - rows[row] + 1};
       Raster<float> cells(window.width, window.height);
       raster.read(window, cells.view());
+      std::optional<DomainLines> lines;
+      if (arrangement) lines = lines_of(*arrangement, options.lines, window, column, row);
       batch[static_cast<std::size_t>(i)] = mesh_tile(cells.view(), {options.max_error_m, options.height_step_m, options.displacement, options.passes, options.extra_share},
-                                                     column + 2 == columns.size(), row + 2 == rows.size());
+                                                     column + 2 == columns.size(), row + 2 == rows.size(), lines ? &*lines : nullptr);
     };
     try {
       parallel_for(now, static_cast<int>(threads), mesh_one);
     } catch (const TooSteep&) {
-      char text[200];
-      std::snprintf(text, sizeof text, "the format or the CRS of the mesh moves coordinates by up to %.2g cells, too much for %g m on terrain so steep: the bound must be at least %.3g m",
-                    options.displacement.rounding_cells, options.max_error_m, 1.01 * least_bound(raster, options.displacement));
-      throw Error(ErrorKind::format, text);
+      fail_too_steep(raster, options);
     }
     std::int64_t done = 0;
     for (std::int64_t i = 0; i < now; ++i) {
       const std::size_t column = static_cast<std::size_t>((first + i) % across), row = static_cast<std::size_t>((first + i) / across);
       MeshedTile tile = std::move(batch[static_cast<std::size_t>(i)]);
       welder.add(tile.mesh, column, row);
+      side_cells.add(tile.side_cells, columns[column], rows[row], column == 0, errors);
       errors.max_error_m = std::max(errors.max_error_m, tile.errors.max_error_m);
       errors.squares += tile.errors.squares;
       errors.cells += tile.errors.cells;
@@ -151,7 +224,9 @@ Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& prog
     progress.advance(done);
   }
   progress.end();
-  if (errors.cells == 0) throw Error(ErrorKind::input, "the raster has no valid cell: there is nothing to mesh");
+  if (errors.cells == 0)
+    throw Error(ErrorKind::input, options.lines.boundary.empty() ? "the raster has no valid cell: there is nothing to mesh"
+                                                                 : "no valid cell of the raster lies inside the boundary: there is nothing to mesh");
   tin.report = {tin.mesh.vertices(), tin.mesh.triangles(), options.max_error_m, errors.max_error_m, std::sqrt(errors.squares / static_cast<double>(errors.cells)),
                 errors.cells, errors.full_triangles};
   return tin;

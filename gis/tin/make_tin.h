@@ -6,6 +6,7 @@
 #include "core/support/scratch.h"
 #include "core/terrain/raster_io.h"
 #include "gis/mesh/mesh_store.h"
+#include "gis/tin/constraint_lines.h"
 #include "gis/tin/tile_cells.h"
 
 namespace arete {
@@ -17,6 +18,7 @@ struct TinOptions {
   /// Passes of simplification after greedy insertion (simplify.h); 0: greedy insertion alone.
   int passes = 3;
   double extra_share = 0;  ///< so many triangles more, as a share of those that the bound needs, where errors are largest
+  TinLines lines;  ///< whatever lies outside the raster has no effect
   int threads = 0;
   Scratch scratch;  ///< memory for all, and where a mesh beyond it goes
 };
@@ -27,8 +29,8 @@ struct TinReport {
   double bound_m = 0;               ///< that it was made within, after any displacement
   double max_error_m = 0;           ///< before any displacement: the largest distance of a cell from the mesh, vertically
   double rmse_m = 0;                ///< over the valid cells
-  std::int64_t cells = 0;           ///< valid ones
-  std::int64_t full_triangles = 0;  ///< of the mesh that has every cell as a vertex
+  std::int64_t cells = 0;           ///< valid ones, inside the boundary
+  std::int64_t full_triangles = 0;  ///< of the mesh that has every cell of the raster as a vertex
 };
 
 struct Tin {
@@ -44,11 +46,16 @@ double height_step(double max_error_m);
 /// arithmetic for each cell. Vertices lie at the centres of cells, and along voids at their corners: the mesh covers the squares of
 /// the valid cells exactly, cut at the centres of the raster's outer cells; and no more.
 ///
+/// With lines, each breakline over valid cells is a chain of edges, at the elevation between the cells, with vertices enough to stay within half the
+/// bound of it (drape_lines), and the mesh ends at the boundary. Places of lines are snapped to 1/65536 of a cell, and further where lines come close to each other or to half cells
+/// (LineArrangement); the bound holds as before. All lines are held in memory, about 300 bytes a vertex.
+///
 /// Works by tiles of about 1024 x 1024 cells that share their borders, so that they join to one manifold. The tiles, and the mesh with
 /// the order of its vertices, depend on the raster and the options alone, not on threads or memory. Holds at most about 240 MB a
 /// thread for tiles, whatever the size of the raster.
-/// Throws Error{input} where the raster has fewer than two rows or columns or no valid cell, Error{usage} for a bound that is not
-/// above 0, Error{format} where it cannot be kept because of the displacement, with the least that can, Error{interrupted}.
+/// Throws Error{input} where the raster has fewer than two rows or columns or no valid cell (inside the boundary) or lines are too
+/// tangled, Error{usage} for a bound that is not above 0, Error{format} where it cannot be kept because of the displacement, with the
+/// least that can (without lines), Error{interrupted}.
 /// Source: greedy insertion after Garland and Heckbert (1995); simplification by half-edge collapse with elevations freed within
 /// the bound.
 Tin make_tin(const RasterSource& raster, const TinOptions& options, Progress& progress);

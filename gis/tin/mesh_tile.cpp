@@ -5,9 +5,11 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <string>
 #include <utility>
 #include <vector>
 
+#include "core/support/error.h"
 #include "gis/tin/greedy_insertion.h"
 #include "gis/tin/heights.h"
 #include "gis/tin/simplify.h"
@@ -23,6 +25,9 @@ double short_bound(double error_m) {
 }
 
 namespace {
+
+// Doubles hold coordinates of 1e7 m to 1e-9 m, cells are 1 m and more; what reads files rounds to 2^-30 cell.
+constexpr double noise_cells = 0x1p-26;
 
 /// The error that is left for the mesh where cells were rounded.
 double bound_for(std::span<const float> cells, double max_error_m) {
@@ -47,12 +52,35 @@ std::vector<float> line_of(RasterView<const float> cells, bool column, std::int6
 /// What the border keeps of the bound where triangles are displaced: the slopes beside it are not known yet.
 double line_reserve(const TileOptions& options) { return options.displacement.any() ? options.max_error_m / 16 : 0; }
 
+/// What is left of the bound on a side whose vertices georeferencing moves by the noise: no part of it is steeper than its range to half a cell.
+double reserve(std::span<const float> cells, double error_m) {
+  double low = 0, high = 0;
+  bool any = false;
+  for (const float h : cells) {
+    if (is_void(h)) continue;
+    low = any ? std::min<double>(low, h) : h, high = any ? std::max<double>(high, h) : h;
+    any = true;
+  }
+  return error_m - 2 * noise_cells * (high - low + 2 * error_m);
+}
+
 std::vector<Polyline> simplify_side(RasterView<const float> given, RasterView<const float> rounded, bool column, std::int64_t index,
-                                    const TileOptions& options) {
+                                    const TileOptions& options, const std::vector<std::int32_t>* forced) {
   const double error_m = options.side_error_m > 0 ? options.side_error_m : options.max_error_m;
-  const LineBound bound{bound_for(line_of(given, column, index), error_m - line_reserve(options)), options.height_step_m, 2,
-                        options.displacement.longest_cells};
-  return simplify_line(line_of(rounded, column, index), bound);
+  const std::vector<float> line = line_of(rounded, column, index);
+  LineBound bound{bound_for(line_of(given, column, index), error_m - line_reserve(options)), options.height_step_m, 2, options.displacement.longest_cells};
+  if (forced == nullptr) return simplify_line(line, bound);
+  bound.error_m = short_bound(reserve(line, bound.error_m));
+  bound.units = line_units;
+  return simplify_line(line, bound, *forced);
+}
+
+TileBorder simplify_sides(RasterView<const float> given, const TileCells& cells, const TileOptions& options, const DomainLines* lines) {
+  const TileLines* places = lines != nullptr ? &lines->lines : nullptr;
+  return {simplify_side(given, cells, false, 0, options, places ? &places->top : nullptr),
+          simplify_side(given, cells, false, cells.height - 1, options, places ? &places->bottom : nullptr),
+          simplify_side(given, cells, true, 0, options, places ? &places->left : nullptr),
+          simplify_side(given, cells, true, cells.width - 1, options, places ? &places->right : nullptr)};
 }
 
 void add_error(TileErrors& errors, double error) {
@@ -61,11 +89,42 @@ void add_error(TileErrors& errors, double error) {
   ++errors.cells;
 }
 
-void measure_lines(const std::vector<Polyline>& lines, std::span<const float> cells, std::int32_t first, std::int32_t end, TileErrors& errors) {
-  constexpr std::int32_t units = 2;
+void measure_lines(const std::vector<Polyline>& lines, std::span<const float> cells, std::int32_t first, std::int32_t end, std::int32_t units,
+                   TileErrors& errors) {
   for (const Polyline& line : lines)
     for (std::int32_t cell = std::max(first, (line.front().at + units - 1) / units); cell < end && cell * units <= line.back().at; ++cell)
       add_error(errors, height_at(line, cell * units) - cells[cell]);
+}
+
+/// Where triangles touch a line at `at` units, from and to, in units; ascending.
+using Stretches = std::vector<std::array<std::int32_t, 2>>;
+
+Stretches find_stretches(const TileMesh& mesh, bool column, std::int32_t at) {
+  const std::vector<std::int32_t>&across = column ? mesh.x : mesh.y, &along = column ? mesh.y : mesh.x;
+  Stretches stretches;
+  for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
+    const std::int32_t from = mesh.origin[h], to = mesh.origin[next_edge(h)];
+    if (across[from] != at) continue;
+    stretches.push_back({along[from], along[from]});
+    if (mesh.twin[h] < 0 && across[to] == at) stretches.push_back({std::min(along[from], along[to]), std::max(along[from], along[to])});
+  }
+  std::sort(stretches.begin(), stretches.end());
+  return stretches;
+}
+
+bool lies_on(const Stretches& stretches, std::int32_t at) {
+  const auto after = std::upper_bound(stretches.begin(), stretches.end(), at, [](std::int32_t place, const auto& stretch) { return place < stretch[0]; });
+  return after != stretches.begin() && at <= (*(after - 1))[1];
+}
+
+/// The cells of a side that triangles touch.
+void measure_side_cells(const TileMesh& mesh, const std::vector<Polyline>& lines, std::span<const float> cells, bool column, std::int32_t index, std::vector<SideCell>& found) {
+  const std::int32_t units = mesh.units;
+  const Stretches stretches = find_stretches(mesh, column, index * units);
+  for (const Polyline& line : lines)
+    for (std::int32_t cell = (line.front().at + units - 1) / units; cell < static_cast<std::int32_t>(cells.size()) && cell * units <= line.back().at; ++cell)
+      if (lies_on(stretches, cell * units))
+        found.push_back({column ? index : cell, column ? cell : index, height_at(line, cell * units) - cells[cell]});
 }
 
 std::int64_t count_full_triangles(RasterView<const float> cells) {
@@ -78,8 +137,8 @@ std::int64_t count_full_triangles(RasterView<const float> cells) {
   return count;
 }
 
-/// Every cell once, against the cells as they were given.
-TileErrors measure(const TileMesh& mesh, RasterView<const float> cells, const TileBorder& border, bool last_column, bool last_row) {
+/// Every cell inside the sides, against the cells as they were given.
+TileErrors measure_inside(const TileMesh& mesh, RasterView<const float> cells) {
   TileErrors errors;
   Raster<float> off(cells.width, cells.height, void_value);
   for (std::int32_t t = 0; t < mesh.triangles(); ++t) {
@@ -93,13 +152,40 @@ TileErrors measure(const TileMesh& mesh, RasterView<const float> cells, const Ti
   for (std::int64_t y = 1; y + 1 < cells.height; ++y)
     for (std::int64_t x = 1; x + 1 < cells.width; ++x)
       if (!is_void(off(x, y))) errors.squares += static_cast<double>(off(x, y)) * off(x, y), ++errors.cells;
-  const auto width = static_cast<std::int32_t>(cells.width), height = static_cast<std::int32_t>(cells.height);
-  measure_lines(border.top, line_of(cells, false, 0), 0, last_column ? width : width - 1, errors);
-  measure_lines(border.left, line_of(cells, true, 0), 1, last_row ? height : height - 1, errors);
-  if (last_row) measure_lines(border.bottom, line_of(cells, false, height - 1), 1, last_column ? width : width - 1, errors);
-  if (last_column) measure_lines(border.right, line_of(cells, true, width - 1), 1, height - 1, errors);
   errors.full_triangles = count_full_triangles(cells);
   return errors;
+}
+
+void measure_sides(RasterView<const float> cells, const TileBorder& border, std::int32_t units, bool last_column, bool last_row, TileErrors& errors) {
+  const auto width = static_cast<std::int32_t>(cells.width), height = static_cast<std::int32_t>(cells.height);
+  measure_lines(border.top, line_of(cells, false, 0), 0, last_column ? width : width - 1, units, errors);
+  measure_lines(border.left, line_of(cells, true, 0), 1, last_row ? height : height - 1, units, errors);
+  if (last_row) measure_lines(border.bottom, line_of(cells, false, height - 1), 1, last_column ? width : width - 1, units, errors);
+  if (last_column) measure_lines(border.right, line_of(cells, true, width - 1), 1, height - 1, units, errors);
+}
+
+std::vector<SideCell> find_side_cells(const TileMesh& mesh, RasterView<const float> cells, const TileBorder& border) {
+  const auto right = static_cast<std::int32_t>(cells.width - 1), bottom = static_cast<std::int32_t>(cells.height - 1);
+  std::vector<SideCell> found;
+  measure_side_cells(mesh, border.top, line_of(cells, false, 0), false, 0, found);
+  measure_side_cells(mesh, border.bottom, line_of(cells, false, bottom), false, bottom, found);
+  measure_side_cells(mesh, border.left, line_of(cells, true, 0), true, 0, found);
+  measure_side_cells(mesh, border.right, line_of(cells, true, right), true, right, found);
+  return found;
+}
+
+/// Triangles must not turn over where vertices are moved by the noise, or by the rounding of a format.
+void check_heights(const TileMesh& mesh, double rounding_cells) {
+  const double least = 4 * std::max(noise_cells, rounding_cells) * mesh.units;
+  for (std::int32_t t = 0; t < mesh.triangles(); ++t) {
+    const auto [a, b, c] = mesh.corners(t);
+    double longest = 0;
+    for (const auto& [from, to] : {std::pair{a, b}, {b, c}, {c, a}}) longest = std::max(longest, std::hypot(mesh.x[to] - mesh.x[from], mesh.y[to] - mesh.y[from]));
+    if (static_cast<double>(orientation(mesh, a, b, c)) < least * longest)
+      throw Error(rounding_cells > noise_cells ? ErrorKind::format : ErrorKind::input,
+                  "lines leave a triangle too thin for the coordinates of the mesh near column " + std::to_string(mesh.x[a] / mesh.units) + ", row " +
+                      std::to_string(mesh.y[a] / mesh.units) + " of its tile: simplify the lines first");
+  }
 }
 
 /// The triangle in or on which a place lies; -1: none.
@@ -154,16 +240,20 @@ class SquareKeeper {
 
 }  // namespace
 
-MeshedTile mesh_tile(RasterView<const float> given, const TileOptions& options, bool last_column, bool last_row) {
+MeshedTile mesh_tile(RasterView<const float> given, const TileOptions& options, bool last_column, bool last_row, const DomainLines* lines) {
   const Raster<float> rounded = round_cells(given);
   const TileCells cells = rounded.view();
-  const TileBorder border{simplify_side(given, cells, false, 0, options), simplify_side(given, cells, false, cells.height - 1, options),
-                          simplify_side(given, cells, true, 0, options), simplify_side(given, cells, true, cells.width - 1, options)};
+  const TileBorder border = simplify_sides(given, cells, options, lines);
   MeshedTile tile;
-  tile.mesh = triangulate_domain(cells, border, options.height_step_m);
-  if (tile.mesh.origin.empty()) return tile;
+  tile.mesh = triangulate_domain(cells, border, options.height_step_m, lines);
+  if (tile.mesh.origin.empty()) {
+    tile.mesh = {};
+    tile.errors.full_triangles = count_full_triangles(given);
+    return tile;
+  }
   const TileBound bound{bound_for({given.data, static_cast<std::size_t>(given.stride * given.height)}, options.max_error_m), options.height_step_m,
-                        options.displacement};
+                        options.displacement, lines != nullptr ? noise_cells : 0};
+  link_vertices(tile.mesh);
   tile.mesh = sort_mesh(tile.mesh);
   tile.mesh.leaving.clear();
   if (!options.squares.empty()) SquareKeeper(tile.mesh, cells, options.height_step_m).keep(options.squares);
@@ -176,7 +266,10 @@ MeshedTile mesh_tile(RasterView<const float> given, const TileOptions& options, 
     link_vertices(tile.mesh);
     tile.mesh = sort_mesh(tile.mesh);
   }
-  tile.errors = measure(tile.mesh, given, border, last_column, last_row);
+  if (lines != nullptr) check_heights(tile.mesh, options.displacement.rounding_cells);
+  tile.errors = measure_inside(tile.mesh, given);
+  if (lines != nullptr && lines->inside) tile.side_cells = find_side_cells(tile.mesh, given, border);
+  else measure_sides(given, border, tile.mesh.units, last_column, last_row, tile.errors);
   return tile;
 }
 

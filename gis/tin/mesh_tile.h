@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "gis/tin/tile_cells.h"
 #include "gis/tin/tile_domain.h"
@@ -35,13 +36,24 @@ struct TileErrors {
   std::int64_t full_triangles = 0;  ///< two for each four valid cells about a corner, one for three: the mesh without any simplification
 };
 
+/// A cell on a side of a tile, and how far it lies off the mesh.
+struct SideCell {
+  std::int32_t column = 0, row = 0;
+  double error_m = 0;
+};
+
 struct MeshedTile {
   TileMesh mesh;  ///< sorted (sort_mesh); no triangles where no cell is valid
   TileErrors errors;
+  /// With a boundary: the cells on all four sides that triangles touch, those at corners twice. They are not in the errors: the tile beyond may have
+  /// them too, or alone.
+  std::vector<SideCell> side_cells;
 };
 
 /// Meshes a tile within the bound: its four sides first, each from its own cells, then greedy insertion, then simplification; and
 /// measures every cell. `last_column`, `last_row`: no tile follows to the right, below. Throws as insert_greedily.
-MeshedTile mesh_tile(RasterView<const float> cells, const TileOptions& options, bool last_column, bool last_row);
+/// With lines they are edges of the mesh, whose units are line_units; the bound is kept with a reserve for what georeferencing moves
+/// vertices. Throws Error{input}, or Error{format} where the format rounds, where lines leave triangles too thin for that.
+MeshedTile mesh_tile(RasterView<const float> cells, const TileOptions& options, bool last_column, bool last_row, const DomainLines* lines = nullptr);
 
 }  // namespace arete

@@ -82,7 +82,7 @@ class Simplifier {
     const double per_area = 1 / (ax * by - ay * bx), za = mesh_.z[a], zb = mesh_.z[b];
     const double a_along_x = by * per_area * mesh_.units, b_along_x = -ay * per_area * mesh_.units;
     double error = bound_.error_m;
-    if (bound_.displacement.any()) {
+    if (bound_.displacement.any() || bound_.noise_cells > 0) {
       const TrianglePlane plane = plane_of(mesh_, v, a, b);
       error = allowance(mesh_, plane, v, a, b, bound_) / plane.area2;
     }

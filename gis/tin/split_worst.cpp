@@ -10,6 +10,8 @@
 namespace arete {
 namespace {
 
+constexpr double least_height = 1.0 / 16;  // of triangles in meshes with lines, cells
+
 struct Worst {
   double error = 0;
   std::int32_t triangle = 0, column = 0, row = 0;
@@ -40,7 +42,10 @@ void split_worst(TileMesh& mesh, const TileCells& cells, const TileBound& bound,
                                       round_height(cells(worst.column, worst.row), bound.height_step_m), false);
     double squares = 0;
     const auto good = [&](std::int32_t from, std::int32_t to) {
-      if (orientation(mesh, from, to, v) <= 0) return false;
+      const std::int64_t area2 = orientation(mesh, from, to, v);
+      if (area2 <= 0) return false;
+      // Finer units than half cells do not keep triangles from being thin.
+      if (mesh.units != 2 && static_cast<double>(area2) < least_height * mesh.units * std::sqrt(longest_squared(mesh, from, to, v))) return false;
       const TriangleFit fit = fit_of(mesh, cells, from, to, v, bound);
       squares += fit.squares;
       return fit.keeps;

@@ -31,6 +31,8 @@ struct TileBound {
   double error_m = 0;                 ///< no cell is further from the mesh than this, vertically
   double height_step_m = 1.0 / 1024;  ///< elevations of vertices are multiples of this power of two
   Displacement displacement;
+  /// By so much does georeferencing move vertices that are not at half cells, along x and y.
+  double noise_cells = 0;
 };
 
 /// The greatest bound not above `error_m` that has few enough bits.
