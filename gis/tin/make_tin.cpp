@@ -156,8 +156,11 @@ double least_bound(const RasterSource& raster, const Displacement& moved) {
   const char* moves = "the format or the CRS of the mesh moves coordinates by up to %.2g cells, too much for %g m ";
   const int length = std::snprintf(text, sizeof text, moves, options.displacement.rounding_cells, options.max_error_m);
   const std::size_t end = static_cast<std::size_t>(length);
-  if (options.lines.empty())
-    std::snprintf(text + end, sizeof text - end, "on terrain so steep: the bound must be at least %.3g m", 1.01 * least_bound(raster, options.displacement));
+  const double least = 1.01 * least_bound(raster, options.displacement);
+  if (options.lines.empty() && least > options.max_error_m)
+    std::snprintf(text + end, sizeof text - end, "on terrain so steep: the bound must be at least %.3g m", least);
+  else if (options.lines.empty())
+    std::snprintf(text + end, sizeof text - end, "on terrain so steep beside voids or the border: raise the bound, or write PLY in the CRS of the DEM");
   else
     std::snprintf(text + end, sizeof text - end, "beside lines on terrain so steep: raise the bound, or write PLY in the CRS of the DEM");
   throw Error(ErrorKind::format, text);

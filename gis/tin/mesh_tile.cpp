@@ -245,7 +245,7 @@ MeshedTile mesh_tile(RasterView<const float> given, const TileOptions& options, 
   const TileCells cells = rounded.view();
   const TileBorder border = simplify_sides(given, cells, options, lines);
   MeshedTile tile;
-  tile.mesh = triangulate_domain(cells, border, options.height_step_m, lines);
+  tile.mesh = triangulate_domain(cells, border, options.height_step_m, lines, options.displacement.longest_cells);
   if (tile.mesh.origin.empty()) {
     tile.mesh = {};
     tile.errors.full_triangles = count_full_triangles(given);

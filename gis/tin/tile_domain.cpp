@@ -48,15 +48,6 @@ bool is_valid(const TileCells& cells, std::int64_t column, std::int64_t row) {
   return column >= 0 && row >= 0 && column < cells.width && row < cells.height && !is_void(cells(column, row));
 }
 
-/// The mean of the valid cells that meet at a corner of cells, given the cell up and left of it.
-double corner_height(const TileCells& cells, std::int64_t column, std::int64_t row, double step) {
-  double sum = 0;
-  int count = 0;
-  for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}})
-    if (is_valid(cells, column + dx, row + dy)) sum += cells(column + dx, row + dy), ++count;
-  return round_height(sum / count, step);
-}
-
 void add_border(Outline& outline, const TileCells& cells, const TileBorder& border) {
   const auto right = static_cast<std::int32_t>(cells.width - 1) * outline.mesh.units, bottom = static_cast<std::int32_t>(cells.height - 1) * outline.mesh.units;
   const auto add = [&](const std::vector<Polyline>& lines, const auto& place) {
@@ -76,8 +67,9 @@ void add_border(Outline& outline, const TileCells& cells, const TileBorder& bord
   add(border.right, [&](std::int32_t at) { return Place{right, at}; });
 }
 
-/// The sides between valid and void cells, straight runs as one segment each. `transposed`: those along rows instead of columns.
-void add_voids(Outline& outline, const TileCells& cells, bool transposed, double step) {
+/// The sides between valid and void cells, straight runs in as few segments as may be. `transposed`: those along rows instead of columns.
+void add_voids(Outline& outline, const TileCells& cells, bool transposed, double step, double longest_cells) {
+  const auto longest = static_cast<std::int64_t>(std::clamp(longest_cells, 1.0, any_length));
   const std::int64_t across = transposed ? cells.height : cells.width, along = transposed ? cells.width : cells.height;
   const std::int32_t units = outline.mesh.units, end = static_cast<std::int32_t>(along - 1) * units;
   const auto valid = [&](std::int64_t i, std::int64_t j) { return transposed ? is_valid(cells, j, i) : is_valid(cells, i, j); };
@@ -97,7 +89,9 @@ void add_voids(Outline& outline, const TileCells& cells, bool transposed, double
       }
       const std::int64_t first = j;
       while (j < along && valid(i, j) - valid(i + 1, j) == side) ++j;
-      outline.segments.emplace_back(vertex(first), vertex(j));
+      const std::int64_t pieces = (j - first + longest - 1) / longest;
+      for (std::int64_t k = 0; k < pieces; ++k)
+        outline.segments.emplace_back(vertex(first + (j - first) * k / pieces), vertex(first + (j - first) * (k + 1) / pieces));
     }
   }
 }
@@ -245,12 +239,20 @@ void part_fans(TileMesh& mesh) {
 
 }  // namespace
 
-TileMesh triangulate_domain(const TileCells& cells, const TileBorder& border, double height_step_m, const DomainLines* lines) {
+double corner_height(const TileCells& cells, std::int64_t column, std::int64_t row, double height_step_m) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& [dx, dy] : {std::pair{0, 0}, {1, 0}, {0, 1}, {1, 1}})
+    if (is_valid(cells, column + dx, row + dy)) sum += cells(column + dx, row + dy), ++count;
+  return round_height(sum / count, height_step_m);
+}
+
+TileMesh triangulate_domain(const TileCells& cells, const TileBorder& border, double height_step_m, const DomainLines* lines, double longest_cells) {
   Outline outline;
   if (lines != nullptr) outline.mesh.units = line_units;
   add_border(outline, cells, border);
-  add_voids(outline, cells, false, height_step_m);
-  add_voids(outline, cells, true, height_step_m);
+  add_voids(outline, cells, false, height_step_m, longest_cells);
+  add_voids(outline, cells, true, height_step_m, longest_cells);
   if (outline.mesh.x.empty()) return {};
   if (lines != nullptr) add_lines(outline, cells, lines->lines, height_step_m);
 

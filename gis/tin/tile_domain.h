@@ -32,6 +32,12 @@ struct DomainLines {
 /// With lines, their pieces over valid cells are fixed edges, cut where they enter and leave voids; the units are line_units (also those of
 /// the border). Their ends are at the elevation between the cells (bilinear, of those that are valid). What lies outside the boundary is left
 /// out. There may be vertices without triangle. Throws Error{input} where pieces cross each other.
-TileMesh triangulate_domain(const TileCells& cells, const TileBorder& border, double height_step_m, const DomainLines* lines = nullptr);
+///
+/// No side along a void is longer than `longest_cells`, at least 1: longer ones have vertices at corners of cells between.
+TileMesh triangulate_domain(const TileCells& cells, const TileBorder& border, double height_step_m, const DomainLines* lines = nullptr,
+                            double longest_cells = any_length);
+
+/// The elevation of a vertex where four cells meet, given the one up and left of it: the mean of those that are valid; at least one must be.
+double corner_height(const TileCells& cells, std::int64_t column, std::int64_t row, double height_step_m);
 
 }  // namespace arete

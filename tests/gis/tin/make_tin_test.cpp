@@ -9,6 +9,7 @@
 
 #include "core/support/error.h"
 #include "core/support/random.h"
+#include "gis/crs.h"
 #include "gis/dem_file.h"
 #include "gis/mesh/check_mesh.h"
 #include "gis/tin/placed_mesh.h"
@@ -191,6 +192,63 @@ TEST(MakeTin, SaysTheLeastBoundThatTheRoundingAllows) {
     EXPECT_THAT(error.what(), HasSubstr("at least"));
   }
   EXPECT_THAT(faults(mesh_of(raster, 3, options), raster, 3), IsEmpty());
+}
+
+/// Waves in degrees about a void with long straight sides.
+Raster<float> waves_with_a_lake() {
+  Raster<float> cells = noisy_waves(700, 400, 0);
+  for (std::int64_t y = 60; y < 340; ++y)
+    for (std::int64_t x = 50; x < 640; ++x) cells(x, y) = void_value;
+  return cells;
+}
+
+GeoReference degrees(double step) {
+  GeoReference geo;
+  geo.transform = {8, step, 0, 47, 0, -step};
+  geo.crs_wkt = crs_wkt("EPSG:4326");
+  return geo;
+}
+
+/// A TIN for a plane, as the verb makes it.
+Tin mesh_for(const RasterSource& raster, const GeoReference& geo, const MeshPlacement& placement, double max_error) {
+  const MeshStore nothing;
+  const PlacedMesh plane(nothing, geo, raster.size(), placement);
+  TinOptions options;
+  options.displacement = plane.displacement(max_error);
+  return mesh_of(raster, max_error - plane.height_noise_m(), options);
+}
+
+// Once refused: the side of a lake had no vertex between its corners, and bent too far.
+TEST(MakeTin, LongSidesOfVoidsAreNoHindranceInAnotherPlane) {
+  const HeldRaster raster(waves_with_a_lake());
+  const GeoReference geo = degrees(1.0 / 1200);
+  for (const char* crs : {"EPSG:32632", "EPSG:3857", "EPSG:4978"})
+    for (const double bound : {0.5, 5.0, 20.0}) {
+      const MeshPlacement placement{crs_wkt(crs), false};
+      const Tin tin = mesh_for(raster, geo, placement, bound);
+      const PlacedMesh mesh(tin.mesh, geo, raster.size(), placement);
+      NoProgress silent;
+      MeshCheckOptions options;
+      options.max_error_m = bound;
+      EXPECT_THAT(faults_of(check_mesh(mesh, mesh.frame(), raster, geo, options, silent), options), IsEmpty()) << crs << ", " << bound;
+    }
+}
+
+TEST(MakeTin, SidesOfVoidsAreNoLongerThanAllowed) {
+  Raster<float> cells(200, 150, 5.0f);
+  for (std::int64_t y = 40; y < 110; ++y)
+    for (std::int64_t x = 0; x < 120; ++x) cells(x, y) = void_value;
+  const HeldRaster raster(std::move(cells));
+  TinOptions options;
+  options.displacement.longest_cells = 12;
+  const Tin tin = mesh_of(raster, 1, options);
+  EXPECT_THAT(faults(tin, raster, 1), IsEmpty());
+  const std::vector<MeshVertex> vertices = vertices_of(tin.mesh);
+  for (const MeshTriangle& t : triangles_of(tin.mesh))
+    for (std::size_t k = 0; k < 3; ++k) {
+      const MeshVertex &a = vertices[static_cast<std::size_t>(t[k])], &b = vertices[static_cast<std::size_t>(t[(k + 1) % 3])];
+      EXPECT_LE(std::hypot(a.x - b.x, a.y - b.y), 12);
+    }
 }
 
 struct RealDem {
