@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <functional>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -145,6 +146,47 @@ TEST(MakeTin, APlaneIsTwoTriangles) {
   EXPECT_EQ(tin.report.triangles, 2);
   EXPECT_EQ(tin.report.full_triangles, 2 * 299 * 199);
   EXPECT_EQ(tin.report.max_error_m, 0);
+}
+
+TEST(MakeTin, FourCellsAreTwoTriangles) {
+  Raster<float> cells(2, 2, 5.0f);
+  cells(1, 1) = 90;
+  const HeldRaster raster(std::move(cells));
+  const Tin tin = mesh_of(raster, 0.5);
+  EXPECT_EQ(tin.report.triangles, 2);
+  EXPECT_EQ(tin.report.vertices, 4);
+  EXPECT_EQ(tin.report.max_error_m, 0);
+  EXPECT_THAT(faults(tin, raster, 0.5), IsEmpty());
+}
+
+TEST(MakeTin, OneCellOfFourIsAQuarterSquare) {
+  Raster<float> cells(2, 2, void_value);
+  cells(1, 0) = 5;
+  const HeldRaster raster(std::move(cells));
+  const Tin tin = mesh_of(raster, 1);
+  EXPECT_EQ(tin.report.triangles, 2);
+  EXPECT_THAT(faults(tin, raster, 1), IsEmpty());
+}
+
+// Whole metres: an error may be the bound itself, and no rounding may decide about it.
+TEST(MakeTin, AnErrorThatIsTheBoundIsWithinIt) {
+  Raster<float> cells(30, 20, 100.0f);
+  cells(11, 7) = 103;
+  const HeldRaster raster(std::move(cells));
+  const Tin at = mesh_of(raster, 3), below = mesh_of(raster, std::nextafter(3.0f, 0.0f));
+  EXPECT_EQ(at.report.triangles, 2);
+  EXPECT_GT(below.report.triangles, 2);
+  EXPECT_THAT(faults(at, raster, 3), IsEmpty());
+  const HeldRaster steps(std::invoke([] {
+    Raster<float> whole = noisy_waves(90, 70, 40);
+    for (std::int64_t i = 0; i < whole.size().cells(); ++i) whole.data()[i] = std::round(whole.data()[i]);
+    return whole;
+  }));
+  for (const double bound : {1.0, 2.0, 4.0, 8.0}) {
+    const Tin tin = mesh_of(steps, bound);
+    EXPECT_EQ(tin.report.max_error_m, bound);  // reached by one cell of 6300 at least
+    EXPECT_THAT(faults(tin, steps, bound), IsEmpty());
+  }
 }
 
 TEST(MakeTin, AnIslandOfOneCellIsASquare) {

@@ -1,60 +1,25 @@
 #include "gis/tin/simplify.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "gis/tin/greedy_insertion.h"
 #include "gis/tin/split_worst.h"
-#include "gis/tin/tile_domain.h"
-#include "gis/tin/triangle_errors.h"
 #include "tests/gis/tin/tile_rasters.h"
 
 namespace arete {
 namespace {
 
-/// Elevations that proofs compute with: whole sixteenths.
-Raster<float> short_cells() {
-  Raster<float> cells = noisy_waves(120, 90, 6);
-  for (std::int64_t i = 0; i < cells.size().cells(); ++i) cells.data()[i] = std::round(16 * cells.data()[i]) / 16;
-  return cells;
-}
-
-std::vector<Polyline> side(const TileCells& cells, bool column, std::int64_t index, double bound) {
-  std::vector<float> line;
-  for (std::int64_t i = 0; i < (column ? cells.height : cells.width); ++i) line.push_back(column ? cells(index, i) : cells(i, index));
-  return simplify_line(line, {bound, 1.0 / 1024});
-}
-
-TileMesh inserted(const TileCells& cells, const TileBound& bound) {
-  const TileBorder border{side(cells, false, 0, bound.error_m), side(cells, false, cells.height - 1, bound.error_m), side(cells, true, 0, bound.error_m),
-                          side(cells, true, cells.width - 1, bound.error_m)};
-  TileMesh mesh = triangulate_domain(cells, border, bound.height_step_m);
-  insert_greedily(mesh, cells, bound);
-  link_vertices(mesh);
-  return mesh;
-}
-
-int triangles_beyond(const TileMesh& mesh, const TileCells& cells, const TileBound& bound) {
-  int beyond = 0;
+/// How many triangles have a height below a tenth of their longest edge.
+int slivers(const TileMesh& mesh) {
+  int count = 0;
   for (std::int32_t t = 0; t < mesh.triangles(); ++t) {
     if (mesh.removed(t)) continue;
     const auto [a, b, c] = mesh.corners(t);
-    beyond += !fit_of(mesh, cells, a, b, c, bound).keeps;
+    count += static_cast<double>(orientation(mesh, a, b, c)) < 0.1 * longest_squared(mesh, a, b, c);
   }
-  return beyond;
-}
-
-TEST(InsertGreedily, KeepsTheBoundAndStopsThere) {
-  const Raster<float> cells = short_cells();
-  std::int32_t before = 1 << 30;
-  for (const double error : {0.5, 2.0, 8.0, 32.0}) {
-    const TileBound bound{error, 1.0 / 1024, {}};
-    const TileMesh mesh = inserted(cells.view(), bound);
-    EXPECT_EQ(triangles_beyond(mesh, cells.view(), bound), 0);
-    EXPECT_LT(mesh.triangles(), before);
-    before = mesh.triangles();
-  }
+  return count;
 }
 
 TEST(Simplify, KeepsTheBoundWithFarFewerTriangles) {
@@ -66,6 +31,34 @@ TEST(Simplify, KeepsTheBoundWithFarFewerTriangles) {
     simplify(mesh, cells.view(), bound, 3);
     EXPECT_EQ(triangles_beyond(mesh, cells.view(), bound), 0);
     EXPECT_LT(mesh.triangles(), 0.75 * before) << error;
+  }
+}
+
+TEST(Simplify, MakesNoSlivers) {
+  const Raster<float> cells = short_cells();
+  for (const double error : {2.0, 8.0, 32.0}) {
+    const TileBound bound{error, 1.0 / 1024, {}};
+    TileMesh mesh = inserted(cells.view(), bound);
+    const int before = slivers(mesh);
+    simplify(mesh, cells.view(), bound, 3);
+    EXPECT_LE(slivers(mesh), before) << error;
+  }
+}
+
+TEST(Simplify, MakesNoEdgeThatIsTooLong) {
+  const Raster<float> cells = short_cells();
+  TileBound bound{32, 1.0 / 1024, {}};
+  bound.displacement.longest_cells = 15;
+  // The sides are as long as the bound lets them be: they are none of its business.
+  TileMesh mesh = inserted(cells.view(), bound);
+  const std::int32_t before = mesh.triangles();
+  simplify(mesh, cells.view(), bound, 3);
+  EXPECT_LT(mesh.triangles(), before);
+  for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {
+    if (mesh.origin[h] < 0 || mesh.twin[h] < 0) continue;
+    const std::int32_t a = mesh.origin[h], b = mesh.origin[next_edge(h)];
+    if (mesh.held[a] || mesh.held[b]) continue;
+    EXPECT_LE(std::hypot(mesh.x[a] - mesh.x[b], mesh.y[a] - mesh.y[b]), 15 * mesh.units);
   }
 }
 

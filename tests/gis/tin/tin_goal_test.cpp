@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/support/error.h"
@@ -9,6 +10,8 @@
 
 namespace arete {
 namespace {
+
+using testing::HasSubstr;
 
 TEST(MakeTinOfTriangles, MeetsTheNumberToAPercent) {
   NoProgress silent;
@@ -37,9 +40,27 @@ TEST(MakeTinOfTriangles, WholeMetresDoNotJump) {
   EXPECT_GE(static_cast<double>(report.triangles), 0.99 * static_cast<double>(most));
 }
 
-TEST(MakeTinOfTriangles, SaysThatTwoTrianglesCannotBeFewer) {
+TEST(MakeTinOfTriangles, SaysHowManyAreNeeded) {
   NoProgress silent;
+  Raster<float> cells(50, 40, 5.0f);
+  cells(20, 20) = void_value;  // a hole of four corners needs eight triangles
+  const HeldRaster raster(std::move(cells));
+  try {
+    make_tin_of_triangles(raster, 7, {}, silent);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.kind(), ErrorKind::usage);
+    EXPECT_THAT(error.what(), HasSubstr("8"));
+  }
+  EXPECT_EQ(make_tin_of_triangles(raster, 8, {}, silent).report.triangles, 8);
   EXPECT_THROW(make_tin_of_triangles(HeldRaster(noisy_waves(50, 40, 1)), 1, {}, silent), Error);
+}
+
+TEST(MakeTinOfTriangles, MoreThanTheGridHasAreNotNeeded) {
+  NoProgress silent;
+  const TinReport report = make_tin_of_triangles(HeldRaster(noisy_waves(30, 20, 5)), 100000, {}, silent).report;
+  EXPECT_LE(report.triangles, 100000);
+  EXPECT_LT(report.max_error_m, 0.01);
 }
 
 TEST(MakeTinOfRmse, MeetsIt) {
