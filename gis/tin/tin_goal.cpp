@@ -4,13 +4,14 @@
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <string>
 
 #include "core/support/error.h"
 
 namespace arete {
 namespace {
 
-constexpr int most_tries = 16;
+constexpr int most_tries = 20;
 constexpr double least_bound_m = 1e-4, greatest_bound_m = 1e5;
 
 /// A quantity of TINs that falls, or rises, with their bound, and what it is to be.
@@ -36,7 +37,7 @@ Tin search(const RasterSource& raster, const Goal& goal, TinOptions options, Pro
   const double aim = std::sqrt(goal.most * goal.least);
   std::optional<End> low, high;  // bounds too small and too large for the goal
   std::optional<Tin> best;
-  double bound = options.max_error_m, best_bound = 0;
+  double bound = options.max_error_m, best_bound = 0, least_factor = 1.1, fewest = 0;
   for (int tried = 0; tried < most_tries; ++tried) {
     options.max_error_m = bound;
     Tin tin = make_tin(raster, options, progress);
@@ -45,17 +46,23 @@ Tin search(const RasterSource& raster, const Goal& goal, TinOptions options, Pro
     if (allowed && (!best || measure > goal.measure(best->report))) best = std::move(tin), best_bound = bound;
     if (allowed && near) return std::move(*best);
     const double off = std::log(std::max(measure, 1e-9) / aim);
+    if (tried == 0 || measure < fewest) fewest = measure;
     const bool too_small = goal.falls ? measure > goal.most : allowed;
     (too_small ? low : high) = End{bound, off};
     if (low && high) {
       if (high->bound / low->bound < 1 + 1e-9) break;
       bound = between(*low, *high);
     } else {
-      const double factor = std::clamp(std::exp(std::abs(off)), 1.1, 8.0);
-      bound = too_small ? bound * factor : bound / factor;
-      if (bound > greatest_bound_m || bound < least_bound_m) break;
+      // Larger steps each time: outlines of voids may leave the measure as it is through many of them.
+      const double factor = std::clamp(std::exp(std::abs(off)), least_factor, 8.0), last = bound;
+      least_factor = std::min(8.0, least_factor * least_factor);
+      bound = std::clamp(too_small ? bound * factor : bound / factor, least_bound_m, greatest_bound_m);
+      if (bound == last) break;
     }
   }
+  if (!best && goal.falls)
+    throw Error(ErrorKind::usage, "the raster needs " + std::to_string(static_cast<std::int64_t>(fewest)) + " triangles at least, for its border and its voids; " +
+                                      std::to_string(static_cast<std::int64_t>(goal.most)) + " are asked for");
   if (!best) throw Error(ErrorKind::usage, "no bound between 0.0001 and 100000 m reaches this goal");
   if (!goal.falls || best->report.max_error_m == 0) return std::move(*best);
   // Whole metres leave jumps: a bound just below one metre needs more triangles than one of a metre by far. What is left is spent where

@@ -50,7 +50,7 @@ TEST(MakeTinOfTriangles, SaysHowManyAreNeeded) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.kind(), ErrorKind::usage);
-    EXPECT_THAT(error.what(), HasSubstr("8"));
+    EXPECT_THAT(error.what(), HasSubstr("needs 8 triangles at least"));
   }
   EXPECT_EQ(make_tin_of_triangles(raster, 8, {}, silent).report.triangles, 8);
   EXPECT_THROW(make_tin_of_triangles(HeldRaster(noisy_waves(50, 40, 1)), 1, {}, silent), Error);
