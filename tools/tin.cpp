@@ -10,6 +10,7 @@
 #include "core/terrain/statistics.h"
 #include "gis/crs.h"
 #include "gis/dem_file.h"
+#include "gis/image.h"
 #include "gis/mesh/mesh_format.h"
 #include "gis/staged_files.h"
 #include "gis/tin/drape.h"
@@ -29,11 +30,12 @@ namespace {
 
 struct TinArguments {
   std::string input, output, crs, breaklines, boundary;
+  std::optional<std::string> drape;  ///< the picture; empty: the relief
   DemReadOptions dem;
   double max_error = 0, rmse = 0;
   std::int64_t max_triangles = 0;
   int level = 0, passes = 3;
-  bool normals = false, draco = false, drape = false, fill = false;
+  bool normals = false, draco = false, fill = false;
 };
 
 // Elevations on Earth, from which a format's rounding is foreseen before any is read.
@@ -90,10 +92,12 @@ std::string describe(const TinArguments& arguments, const TinReport& report, dou
                      grouped(report.full_triangles), proven_m, report.rmse_m, grouped(report.cells));
 }
 
-/// Draws the relief and tells the writer of it: beside an OBJ, which names it, as its side file; for glTF, which holds it, as scratch.
-void add_drape(const RasterSource& raster, const GeoReference& geo, const PlacedMesh& mesh, const StagedFiles& staged, const MeshFormat& format,
+/// Draws the relief, or takes the user's picture, and tells the writer of it: beside an OBJ, which names it, as its side file; for glTF, which
+/// holds it, as scratch.
+void add_drape(const TinArguments& arguments, const ElevationInput& input, const PlacedMesh& plane, const StagedFiles& staged, const MeshFormat& format,
                const CommonOptions& common, Progress& progress, MeshWriteOptions& writing) {
-  const Drape drape = draw_drape(raster, geo, mesh, common.threads, progress);
+  const Drape drape = arguments.drape->empty() ? draw_drape(*input.source, input.geo, plane, common.threads, progress)
+                                                : drape_picture(read_picture(*arguments.drape), input.geo, input.source->size(), plane);
   const std::filesystem::path beside = std::filesystem::path(staged.staged()).replace_extension(".png");
   writing.texture = format.name == "OBJ" ? beside.string() : staged.scratch("relief.png");
   writing.texture_bounds = drape.bounds;
@@ -102,8 +106,8 @@ void add_drape(const RasterSource& raster, const GeoReference& geo, const Placed
 
 void make_tiles(const TinArguments& arguments, const CommonOptions& common) {
   if (!(arguments.max_error > 0)) throw Error(ErrorKind::usage, "tiles for Cesium are made within an error: give --max-error");
-  if (!arguments.crs.empty() || arguments.normals || arguments.draco)
-    throw Error(ErrorKind::usage, "tiles for Cesium are in longitude and latitude, without normals: leave --crs, --normals and --draco out");
+  if (!arguments.crs.empty() || arguments.normals || arguments.draco || arguments.drape)
+    throw Error(ErrorKind::usage, "tiles for Cesium are in longitude and latitude, without normals or picture: leave --crs, --normals, --draco and --drape out");
   if (!arguments.breaklines.empty() || !arguments.boundary.empty())
     throw Error(ErrorKind::usage, "tiles for Cesium take no lines yet: leave --breaklines and --boundary out, or write another format");
   run_tin_tiles({arguments.input, arguments.output, arguments.dem, arguments.max_error, arguments.level, arguments.passes, arguments.fill}, common);
@@ -152,7 +156,8 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   const MeshStore nothing;
   // How long edges may be depends on the bound; where that is still to be found, on a metre.
   const double bend_error = arguments.max_error > 0 ? arguments.max_error : 1;
-  const FormatBound bound = bound_of(format, PlacedMesh(nothing, input.geo, input.source->size(), placement), writing, bend_error);
+  const PlacedMesh plane(nothing, input.geo, input.source->size(), placement);
+  const FormatBound bound = bound_of(format, plane, writing, bend_error);
 
   TinOptions options;
   options.passes = arguments.passes;
@@ -161,9 +166,9 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   options.threads = common.threads;
   options.scratch = {common.memory_bytes / 4 * 3, std::filesystem::absolute(arguments.output).parent_path().string()};
   const auto progress = make_progress(common);
+  if (arguments.drape) add_drape(arguments, input, plane, staged, format, common, *progress, writing);
   const Tin tin = make(*input.source, arguments, options, bound, *progress);
   const PlacedMesh mesh(tin.mesh, input.geo, input.source->size(), placement);
-  if (arguments.drape) add_drape(*input.source, input.geo, mesh, staged, format, common, *progress, writing);
   progress->begin("writing", 0);
   format.write(mesh, mesh.frame(), staged.staged(), writing);
   progress->end();
@@ -205,7 +210,9 @@ void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_flag("--normals", arguments->normals, "A normal for each vertex (PLY, OBJ, glTF)");
   verb->add_flag("--fill", arguments->fill, "Tiles for Cesium: ground at height 0 where the DEM has none, at the deepest level too, which else has holes there");
   verb->add_flag("--draco", arguments->draco, "Compress with Draco (glTF)");
-  verb->add_flag("--drape", arguments->drape, "Drape the shaded relief map over it (OBJ, glTF)");
+  verb->add_option("--drape", arguments->drape,
+                   "Drape the shaded relief map over it (OBJ, glTF), or a picture of your own that covers the DEM to the edges of its cells")
+      ->expected(0, 1);
   add_dem_options(verb, arguments->dem);
 }
 
