@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
@@ -63,7 +64,8 @@ void move_into_place(const fs::path& from, const fs::path& to, bool overwrite) {
 
 }  // namespace
 
-StagedFiles::StagedFiles(const std::string& target, bool overwrite) : target_(target), overwrite_(overwrite) {
+StagedFiles::StagedFiles(const std::string& target, bool overwrite, std::vector<std::string> side_endings)
+    : target_(target), overwrite_(overwrite), side_endings_(std::move(side_endings)) {
   if (target.empty() || !target_.has_filename()) fail(target_, "no file name given");
   std::error_code ignored;
   const fs::path beside = folder_of(target_);
@@ -85,8 +87,21 @@ StagedFiles::~StagedFiles() {
   fs::remove_all(folder_, ignored);
 }
 
+/// Whether another file beside the target has its stem, but side files and pictures: textures are called so, and previews.
+bool StagedFiles::shares_its_stem() const {
+  const std::string stem = target_.stem().string();
+  std::error_code ignored;
+  for (const auto& entry : fs::directory_iterator(folder_of(target_), ignored)) {
+    const fs::path name = entry.path().filename(), extension = name.extension();
+    if (name == target_.filename() || name.stem() != stem || extension == ".png" || extension == ".jpg") continue;
+    if (std::none_of(side_endings_.begin(), side_endings_.end(), [&](const std::string& ending) { return name == stem + ending; })) return true;
+  }
+  return false;
+}
+
 void StagedFiles::publish() {
   std::error_code ignored;
+  const bool replaces = overwrite_ && is_there(target_);
   fs::remove_all(folder_ / "scratch", ignored);
   std::vector<fs::path> names;
   for (const auto& entry : fs::directory_iterator(folder_)) names.push_back(entry.path().filename());
@@ -114,6 +129,11 @@ void StagedFiles::publish() {
     const fs::path stale = target_.string() + suffix;
     if (std::find(names.begin(), names.end(), stale.filename()) == names.end()) fs::remove(stale, ignored);
   }
+  if (replaces && !side_endings_.empty() && !shares_its_stem())
+    for (const std::string& ending : side_endings_) {
+      const fs::path stale = beside / (target_.stem().string() + ending);
+      if (std::find(names.begin(), names.end(), stale.filename()) == names.end()) fs::remove(stale, ignored);
+    }
   flush_to_disk(beside, target_);
 }
 

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace arete {
 
@@ -11,7 +12,8 @@ class StagedFiles {
  public:
   /// Throws Error{disk} where `target` (or a side file of it, as GDAL writes them: .aux.xml, .ovr, .msk) exists and may not be
   /// overwritten, where it is a folder, or where its folder is missing or cannot be written to.
-  StagedFiles(const std::string& target, bool overwrite);
+  /// `side_endings`: what files beside it that describe it are called after its stem: ".prj" for `mesh.prj` beside `mesh.obj`.
+  StagedFiles(const std::string& target, bool overwrite, std::vector<std::string> side_endings = {});
   ~StagedFiles();
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
@@ -23,14 +25,18 @@ class StagedFiles {
 
   /// Flushes every file to the disk, then moves them beside the target: side files first, the target last; flushes the folder.
   /// A side file that is there already with the same bytes is left as it is.
-  /// Side files of an overwritten target that the new one does not have are removed: they describe the old one.
+  /// Side files of an overwritten target that the new one does not have are removed: they describe the old one. Those that are called after
+  /// its stem stay where another file than a picture has that stem too: they may be of that one.
   /// Throws Error{disk}; unless files were overwritten, nothing then has appeared.
   void publish();
 
  private:
+  bool shares_its_stem() const;
+
   std::filesystem::path target_;
   std::filesystem::path folder_;
   bool overwrite_;
+  std::vector<std::string> side_endings_;
 };
 
 }  // namespace arete

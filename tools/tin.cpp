@@ -143,7 +143,7 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   if (arguments.normals && !format.holds_normals) throw Error(ErrorKind::usage, format.name + " holds no normals: leave --normals out, or write PLY, OBJ or glTF");
   if (arguments.draco && format.name != "glTF") throw Error(ErrorKind::usage, "--draco is of glTF: name the output .glb or .gltf");
   if (arguments.drape && !format.holds_texture) throw Error(ErrorKind::usage, format.name + " holds no picture: leave --drape out, or write OBJ or glTF");
-  StagedFiles staged(arguments.output, common.overwrite);
+  StagedFiles staged(arguments.output, common.overwrite, format.side_endings);
   const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads, arguments.level);
   limit_block_cache(common.memory_bytes / 8);
 

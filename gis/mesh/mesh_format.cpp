@@ -32,11 +32,11 @@ constexpr bool texture = true, no_texture = false;
 const std::vector<Entry>& entries() {
   // clang-format off
   static const std::vector<Entry> all = {
-      {{"PLY", {".ply"}, "PLY, binary, exact (MeshLab, CloudCompare, Blender, QGIS)", any_units, normals, no_texture, ply_rounding, write_ply}, read_ply},
-      {{"OBJ", {".obj"}, "Wavefront OBJ with an offset file (3D modelling, games)", metres, normals, texture, obj_rounding, write_obj}, read_obj},
-      {{"STL", {".stl"}, "STL, binary, 32-bit floats with an offset file (3D printing)", metres, no_normals, no_texture, stl_rounding, write_stl}, read_stl},
-      {{"2DM", {".2dm"}, "SMS 2DM, exact (hydraulic models, QGIS)", any_units, no_normals, no_texture, two_dm_rounding, write_2dm}, read_2dm},
-      {{"DXF", {".dxf"}, "AutoCAD DXF R12, 3DFACE entities, exact (CAD)", metres, no_normals, no_texture, dxf_rounding, write_dxf}, read_dxf},
+      {{"PLY", {".ply"}, "PLY, binary, exact (MeshLab, CloudCompare, Blender, QGIS)", any_units, normals, no_texture, ply_rounding, write_ply, {".prj"}}, read_ply},
+      {{"OBJ", {".obj"}, "Wavefront OBJ with an offset file (3D modelling, games)", metres, normals, texture, obj_rounding, write_obj, {".prj", "_offset.xyz", ".mtl"}}, read_obj},
+      {{"STL", {".stl"}, "STL, binary, 32-bit floats with an offset file (3D printing)", metres, no_normals, no_texture, stl_rounding, write_stl, {".prj", "_offset.xyz"}}, read_stl},
+      {{"2DM", {".2dm"}, "SMS 2DM, exact (hydraulic models, QGIS)", any_units, no_normals, no_texture, two_dm_rounding, write_2dm, {".prj"}}, read_2dm},
+      {{"DXF", {".dxf"}, "AutoCAD DXF R12, 3DFACE entities, exact (CAD)", metres, no_normals, no_texture, dxf_rounding, write_dxf, {".prj"}}, read_dxf},
       {{"LandXML", {".xml", ".landxml"}, "LandXML 1.2, a TIN surface, exact (civil engineering)", metres, no_normals, no_texture, landxml_rounding, write_landxml}, read_landxml},
       {{"glTF", {".glb", ".gltf"}, "glTF 2.0, 32-bit floats to a millimetre anywhere (Blender, Cesium, browsers)", metres, normals, texture, gltf_rounding, write_gltf}, read_gltf},
       {{"UGRID", {".nc"}, "NetCDF UGRID 1.0 with its CRS, exact (QGIS mesh layers)", any_units, no_normals, no_texture, ugrid_rounding, write_ugrid}, read_ugrid},

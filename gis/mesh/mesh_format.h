@@ -39,6 +39,7 @@ struct MeshFormat {
   /// caller moves all of them to their place (StagedFiles). The same mesh gives the same bytes. Throws Error{disk} where writing
   /// fails, Error{format} where the format cannot hold this mesh, saying its limit.
   void (*write)(const MeshSource& mesh, const MeshFrame& frame, const std::string& path, const MeshWriteOptions& options) = nullptr;
+  std::vector<std::string> side_endings = {};  ///< of the side files that it may write, after the stem: ".prj"; but pictures
 };
 
 /// All formats that can be written, in the order in which they are listed to the user.

@@ -76,6 +76,34 @@ TEST(StagedFiles, AreRefusedBesideSideFilesOfAnotherRaster) {
   EXPECT_FALSE(std::filesystem::exists(folder / "out.tif.aux.xml"));
 }
 
+/// Replaces out.obj by one that has a new .prj alone.
+void replace_mesh(const TestFolder& folder) {
+  StagedFiles files(folder / "out.obj", true, {".prj", "_offset.xyz", ".mtl"});
+  put(files.staged(), "new");
+  put(std::filesystem::path(files.staged()).replace_extension(".prj").string(), "new");
+  files.publish();
+}
+
+TEST(StagedFiles, LeaveNoSideFilesOfAnOverwrittenMesh) {
+  TestFolder folder;
+  for (const char* name : {"out.obj", "out.prj", "out_offset.xyz", "out.mtl", "out.png", "outer.mtl"}) put(folder / name, "old");
+  replace_mesh(folder);
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"out.obj", "out.png", "out.prj", "outer.mtl"}));
+  EXPECT_EQ(get(folder / "out.prj"), "new");
+  EXPECT_EQ(get(folder / "out.png"), "old");  // a texture, or the user's own: never removed
+}
+
+TEST(StagedFiles, LeaveSideFilesThatMayBeOfAnother) {
+  TestFolder folder;
+  for (const char* name : {"out.obj", "out.stl", "out_offset.xyz"}) put(folder / name, "old");
+  replace_mesh(folder);
+  EXPECT_EQ(folder.names(), (std::vector<std::string>{"out.obj", "out.prj", "out.stl", "out_offset.xyz"}));
+  std::filesystem::remove(folder / "out.obj");
+  std::filesystem::remove(folder / "out.stl");
+  replace_mesh(folder);  // nothing is replaced: the offset is not of an earlier one
+  EXPECT_EQ(get(folder / "out_offset.xyz"), "old");
+}
+
 TEST(StagedFiles, NeedTheMainFile) {
   TestFolder folder;
   StagedFiles files(folder / "out.tif", false);
