@@ -1,5 +1,10 @@
+#include <algorithm>
+#include <array>
+#include <cstring>
 #include <filesystem>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -105,6 +110,132 @@ TEST_F(TinVerb, DrapesTheRelief) {
   EXPECT_THAT(read(path("mesh.glb")), HasSubstr("PNG"));
   EXPECT_EQ(run("verify " + path("mesh.glb") + " --dem " + dem_ + " --max-error 20").code, 0);
   EXPECT_EQ(run("tin " + dem_ + " " + path("other.ply") + " --max-error 20 --drape").code, 2);
+}
+
+/// A plain with a peak at column 110, row 30, in degrees or not; and a picture that is red about the peak and blue elsewhere.
+class DrapedPeak : public VerbFixture {
+ protected:
+  static constexpr std::int64_t width = 150, height = 120, column = 110, row = 30;
+
+  std::string write_peak(bool degrees) const {
+    Raster<float> cells(width, height, 100.0f);
+    cells(column, row) = 900;
+    GeoReference geo;
+    geo.transform = degrees ? std::array<double, 6>{9, 0.001, 0, 47, 0, -0.001} : std::array<double, 6>{500000, 30, 0, 4600000, 0, -30};
+    geo.crs_wkt = crs_wkt(degrees ? "EPSG:4326" : "EPSG:32633");
+    DemWriter writer(path("peak.tif"), {width, height}, geo);
+    writer.write(0, {0, 0, width, height}, cells.view());
+    writer.commit();
+    return path("peak.tif");
+  }
+  std::string write_marked_picture() const {
+    Picture picture(4 * width, 4 * height, {0, 0, 255, 255});
+    fill(picture, {4 * (column - 2), 4 * (row - 2), 20, 20}, {255, 0, 0, 255});
+    write_picture(path("marked.png"), picture);
+    return path("marked.png");
+  }
+  struct DrapedVertex {
+    double height, across, down;  ///< of the picture, from its upper left corner
+  };
+  /// The peak is on red, whatever is a hundred metres high, in the west, on blue.
+  static void expect_draped(const std::vector<DrapedVertex>& vertices, const Picture& picture) {
+    int peaks = 0, others = 0;
+    for (const DrapedVertex& v : vertices) {
+      const Colour c = picture(static_cast<std::int64_t>(v.across * static_cast<double>(picture.width())), static_cast<std::int64_t>(v.down * static_cast<double>(picture.height())));
+      const bool is_peak = v.height > 800;
+      (is_peak ? peaks : others) += 1;
+      if (is_peak) {
+        EXPECT_TRUE(c[0] > 230 && c[2] < 25) << v.across << ", " << v.down;
+      } else if (v.across < 0.5) {
+        EXPECT_TRUE(c[0] < 25 && c[2] > 230) << v.across << ", " << v.down;
+      }
+    }
+    EXPECT_EQ(peaks, 1);
+    EXPECT_GE(others, 4);
+  }
+  static std::vector<DrapedVertex> read_obj_vertices(const std::string& file, double offset) {
+    std::istringstream lines(read(file));
+    std::vector<double> heights;
+    std::vector<DrapedVertex> vertices;
+    for (std::string line; std::getline(lines, line);) {
+      std::istringstream words(line);
+      std::string keyword;
+      double x = 0, y = 0, z = 0;
+      words >> keyword >> x >> y >> z;
+      if (keyword == "v") heights.push_back(z + offset);
+      if (keyword == "vt") vertices.push_back({heights[vertices.size()], x, 1 - y});
+    }
+    return vertices;
+  }
+};
+
+TEST_F(DrapedPeak, LiesOnItsTexelInObj) {
+  const std::string picture = write_marked_picture();
+  for (const bool degrees : {false, true}) {  // those become UTM
+    const std::string dem = write_peak(degrees);
+    const Outcome made = run("tin " + dem + " " + path("mesh.obj") + " --max-error 1 --overwrite --drape " + picture);
+    ASSERT_EQ(made.code, 0) << made.err;
+    expect_draped(read_obj_vertices(path("mesh.obj"), 0), read_picture(path("mesh.png")));
+    std::filesystem::remove(dem);
+  }
+}
+
+TEST_F(DrapedPeak, LiesOnItsTexelInGlb) {
+  const std::string dem = write_peak(true);
+  const Outcome made = run("tin " + dem + " " + path("mesh.glb") + " --max-error 1 --drape " + write_marked_picture());
+  ASSERT_EQ(made.code, 0) << made.err;
+  // GLB: 12 bytes of header, then chunks of a length, a type and bytes: JSON, binary.
+  const std::string bytes = read(path("mesh.glb"));
+  const auto number_at = [&](std::size_t at) {
+    std::uint32_t number = 0;
+    std::memcpy(&number, bytes.data() + at, 4);
+    return std::size_t{number};
+  };
+  const std::size_t json_bytes = number_at(12), binary = 20 + json_bytes + 8;
+  const auto document = nlohmann::json::parse(bytes.substr(20, json_bytes));
+  const auto floats = [&](const nlohmann::json& index, std::size_t per_vertex) {
+    const auto& accessor = document["accessors"][index.get<std::size_t>()];
+    const auto& view = document["bufferViews"][accessor["bufferView"].get<std::size_t>()];
+    std::vector<float> values(accessor["count"].get<std::size_t>() * per_vertex);
+    std::memcpy(values.data(), bytes.data() + binary + view.value("byteOffset", std::size_t{0}) + accessor.value("byteOffset", std::size_t{0}), 4 * values.size());
+    return values;
+  };
+  ASSERT_EQ(document["meshes"].size(), 1u);
+  const auto& attributes = document["meshes"][0]["primitives"][0]["attributes"];
+  const std::vector<float> positions = floats(attributes["POSITION"], 3), places = floats(attributes["TEXCOORD_0"], 2);
+  const double lowest = [&] {
+    double low = positions[1];
+    for (std::size_t i = 1; i < positions.size(); i += 3) low = std::min<double>(low, positions[i]);
+    return low;
+  }();
+  std::vector<DrapedVertex> vertices;
+  for (std::size_t i = 0; i < positions.size() / 3; ++i) vertices.push_back({positions[3 * i + 1] - lowest + 100, places[2 * i], places[2 * i + 1]});
+  const auto& image = document["bufferViews"][document["images"][0]["bufferView"].get<std::size_t>()];
+  write(path("inside.png"), bytes.substr(binary + image.value("byteOffset", std::size_t{0}), image["byteLength"].get<std::size_t>()));
+  expect_draped(vertices, read_picture(path("inside.png")));
+}
+
+TEST_F(TinVerb, RefusesPicturesBeforeItWorks) {
+  const std::size_t before = entries();
+  const Outcome none = run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 5 --drape " + path("none.png"));
+  EXPECT_EQ(none.code, 3);
+  EXPECT_EQ(none.error_lines(), 1) << none.err;
+  const Outcome globe = run("tin " + dem_ + " " + path("mesh.glb") + " --max-error 5 --crs ecef --drape");
+  EXPECT_EQ(globe.code, 2);
+  EXPECT_THAT(globe.err, HasSubstr("map plane"));
+  EXPECT_EQ(run("tin " + dem_ + " " + path("mesh.tiles") + " --max-error 5 --drape").code, 2);
+  EXPECT_EQ(entries(), before);
+}
+
+TEST_F(TinVerb, LeavesNoSideFilesOfAnOverwrittenMesh) {
+  ASSERT_EQ(run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 20 --drape").code, 0);
+  for (const char* side : {"mesh.mtl", "mesh.png", "mesh.prj", "mesh_offset.xyz"}) EXPECT_TRUE(std::filesystem::exists(path(side))) << side;
+  ASSERT_EQ(run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 20 --overwrite").code, 0);
+  EXPECT_FALSE(std::filesystem::exists(path("mesh.mtl")));
+  EXPECT_TRUE(std::filesystem::exists(path("mesh_offset.xyz")));
+  EXPECT_EQ(run("verify " + path("mesh.obj") + " --dem " + dem_ + " --max-error 20").code, 0);
+  // A mesh in another format beside it has the same .prj.
+  EXPECT_EQ(run("tin " + dem_ + " " + path("mesh.ply") + " --max-error 20").code, 0);
 }
 
 TEST_F(TinVerb, TheSameBytesForAnyThreads) {

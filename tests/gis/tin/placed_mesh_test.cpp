@@ -217,10 +217,11 @@ TEST(PlacedMesh, TheBoundHoldsAlongTheStraightEdgesOfTheOtherPlane) {
       // The outer cells lie on the border, which bends past some of them.
       for (std::int64_t y = 1; y < 299; ++y)
         for (std::int64_t x = 1; x < 399; ++x) {
-          if (is_void(raster.view()(x, y)))
+          if (is_void(raster.view()(x, y))) {
             EXPECT_TRUE(is_void(off(x, y))) << crs << ": the void at " << x << ", " << y << " is covered";
-          else
+          } else {
             EXPECT_LE(off(x, y), bound) << crs << ": " << x << ", " << y;
+          }
         }
       options.displacement = {};
       const Raster<float> without = errors_in_plane(make_tin(raster, options, silent), raster, geo, placement);
