@@ -238,10 +238,12 @@ TEST_F(TinVerb, LeavesNoSideFilesOfAnOverwrittenMesh) {
   EXPECT_EQ(run("tin " + dem_ + " " + path("mesh.ply") + " --max-error 20").code, 0);
 }
 
-TEST_F(TinVerb, TheSameBytesForAnyThreads) {
+TEST_F(TinVerb, TheSameBytesForAnyThreadsAndMemory) {
   ASSERT_EQ(run("tin " + dem_ + " " + path("one.ply") + " --max-error 5 --threads 1").code, 0);
   ASSERT_EQ(run("tin " + dem_ + " " + path("two.ply") + " --max-error 5 --threads 2").code, 0);
   EXPECT_EQ(read(path("one.ply")), read(path("two.ply")));
+  ASSERT_EQ(run("tin " + dem_ + " " + path("little.ply") + " --max-error 5 --memory 64M").code, 0);
+  EXPECT_EQ(read(path("one.ply")), read(path("little.ply")));
 }
 
 TEST_F(TinVerb, RefusesInOneLineAndWritesNothing) {

@@ -276,6 +276,31 @@ TEST(MakeTin, LongSidesOfVoidsAreNoHindranceInAnotherPlane) {
     }
 }
 
+TEST(MakeTin, AnyRasterKeepsAnyBoundInAnyPlane) {
+  const MeshPlacement placements[] = {{"", true}, {crs_wkt("EPSG:3857"), false}, {crs_wkt("EPSG:4978"), false}};
+  int meshed = 0;
+  for (std::uint64_t seed = 0; seed < 600; ++seed) {
+    const HeldRaster raster(random_raster(seed));
+    GeoReference geo = degrees(std::pow(10.0, -5 + 2.5 * random_share(seed, 1, 0)));
+    (*geo.transform)[0] = random_share(seed, 2, 0) * 300 - 150;
+    (*geo.transform)[3] = random_share(seed, 3, 0) * 140 - 65;
+    const MeshPlacement& placement = placements[seed % 3];
+    const double bound = std::pow(10.0, random_share(seed, 4, 0) * 5 - 2);
+    NoProgress silent;
+    try {
+      const Tin tin = mesh_for(raster, geo, placement, bound);
+      const PlacedMesh mesh(tin.mesh, geo, raster.size(), placement);
+      MeshCheckOptions options;
+      options.max_error_m = bound;
+      EXPECT_THAT(faults_of(check_mesh(mesh, mesh.frame(), raster, geo, options, silent), options), IsEmpty()) << "seed " << seed << ", bound " << bound;
+      ++meshed;
+    } catch (const Error& error) {
+      EXPECT_TRUE(error.kind() == ErrorKind::format || std::string(error.what()).find("no valid cell") != std::string::npos) << seed << ": " << error.what();
+    }
+  }
+  EXPECT_GT(meshed, 500);
+}
+
 TEST(MakeTin, SidesOfVoidsAreNoLongerThanAllowed) {
   Raster<float> cells(200, 150, 5.0f);
   for (std::int64_t y = 40; y < 110; ++y)
