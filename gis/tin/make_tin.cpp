@@ -166,17 +166,9 @@ double least_bound(const RasterSource& raster, const Displacement& moved) {
   throw Error(ErrorKind::format, text);
 }
 
-}  // namespace
-
-double height_step(double max_error_m) {
-  return std::ldexp(1.0, std::clamp(static_cast<int>(std::floor(std::log2(max_error_m))) - 6, -16, -10));
-}
-
-Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& progress) {
-  TinOptions options = given;
-  if (options.height_step_m == 0 && options.max_error_m > 0) options.height_step_m = height_step(options.max_error_m);
+/// `longest_side_cells`: of edges along the sides of tiles. Throws TooSteep.
+Tin mesh_tiles(const RasterSource& raster, const TinOptions& options, double longest_side_cells, Progress& progress) {
   const Size size = raster.size();
-  check(size, options);
   const std::vector<std::int64_t> columns = tile_edges(size.width), rows = tile_edges(size.height);
   const std::int64_t across = static_cast<std::int64_t>(columns.size()) - 1, count = across * (static_cast<std::int64_t>(rows.size()) - 1);
   // A quarter of the memory is for the mesh, the rest for tiles at work and tiles that wait for their turn.
@@ -204,14 +196,10 @@ Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& prog
       raster.read(window, cells.view());
       std::optional<DomainLines> lines;
       if (arrangement) lines = lines_of(*arrangement, options.lines, window, column, row);
-      batch[static_cast<std::size_t>(i)] = mesh_tile(cells.view(), {options.max_error_m, options.height_step_m, options.displacement, options.passes, options.extra_share},
+      batch[static_cast<std::size_t>(i)] = mesh_tile(cells.view(), {options.max_error_m, options.height_step_m, options.displacement, options.passes, options.extra_share, longest_side_cells},
                                                      column + 2 == columns.size(), row + 2 == rows.size(), lines ? &*lines : nullptr);
     };
-    try {
-      parallel_for(now, static_cast<int>(threads), mesh_one);
-    } catch (const TooSteep&) {
-      fail_too_steep(raster, options);
-    }
+    parallel_for(now, static_cast<int>(threads), mesh_one);
     std::int64_t done = 0;
     for (std::int64_t i = 0; i < now; ++i) {
       const std::size_t column = static_cast<std::size_t>((first + i) % across), row = static_cast<std::size_t>((first + i) / across);
@@ -233,6 +221,28 @@ Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& prog
   tin.report = {tin.mesh.vertices(), tin.mesh.triangles(), options.max_error_m, errors.max_error_m, std::sqrt(errors.squares / static_cast<double>(errors.cells)),
                 errors.cells, errors.full_triangles};
   return tin;
+}
+
+}  // namespace
+
+double height_step(double max_error_m) {
+  return std::ldexp(1.0, std::clamp(static_cast<int>(std::floor(std::log2(max_error_m))) - 6, -16, -10));
+}
+
+Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& progress) {
+  TinOptions options = given;
+  if (options.height_step_m == 0 && options.max_error_m > 0) options.height_step_m = height_step(options.max_error_m);
+  check(raster.size(), options);
+  // Both tiles at a side mesh it alike, from its own cells: none knows how steep it is beside it. Where that is too steep for the displacement of
+  // edges so long, all tiles take shorter ones.
+  for (const double longest_side_cells : {any_length, 64.0, 8.0, 1.0}) {
+    try {
+      return mesh_tiles(raster, options, longest_side_cells, progress);
+    } catch (const TooSteep&) {
+      progress.end();
+    }
+  }
+  fail_too_steep(raster, options);
 }
 
 }  // namespace arete

@@ -68,7 +68,8 @@ std::vector<Polyline> simplify_side(RasterView<const float> given, RasterView<co
                                     const TileOptions& options, const std::vector<std::int32_t>* forced) {
   const double error_m = options.side_error_m > 0 ? options.side_error_m : options.max_error_m;
   const std::vector<float> line = line_of(rounded, column, index);
-  LineBound bound{bound_for(line_of(given, column, index), error_m - line_reserve(options)), options.height_step_m, 2, options.displacement.longest_cells};
+  LineBound bound{bound_for(line_of(given, column, index), error_m - line_reserve(options)), options.height_step_m, 2,
+                  std::min(options.displacement.longest_cells, options.longest_side_cells)};
   if (forced == nullptr) return simplify_line(line, bound);
   bound.error_m = short_bound(reserve(line, bound.error_m));
   bound.units = line_units;

@@ -301,6 +301,24 @@ TEST(MakeTin, AnyRasterKeepsAnyBoundInAnyPlane) {
   EXPECT_GT(meshed, 500);
 }
 
+// Once refused: the sides were as long as the sea beside them is flat, and too long for the cliffs two cells further.
+TEST(MakeTin, CliffsBesideAFlatBorderAreNoHindranceInAnotherPlane) {
+  Raster<float> cells(300, 250, 0.0f);
+  for (std::int64_t y = 2; y < 249; ++y)
+    for (std::int64_t x = 1; x < 299; ++x) cells(x, y) = static_cast<float>(800 + 400 * std::sin(static_cast<double>(x) / 6) * std::cos(static_cast<double>(y) / 5));
+  const HeldRaster raster(std::move(cells));
+  const GeoReference geo = degrees(1.0 / 1200);
+  for (const char* crs : {"EPSG:32632", "EPSG:4978"}) {
+    const MeshPlacement placement{crs_wkt(crs), false};
+    const Tin tin = mesh_for(raster, geo, placement, 2);
+    const PlacedMesh mesh(tin.mesh, geo, raster.size(), placement);
+    NoProgress silent;
+    MeshCheckOptions options;
+    options.max_error_m = 2;
+    EXPECT_THAT(faults_of(check_mesh(mesh, mesh.frame(), raster, geo, options, silent), options), IsEmpty()) << crs;
+  }
+}
+
 TEST(MakeTin, SidesOfVoidsAreNoLongerThanAllowed) {
   Raster<float> cells(200, 150, 5.0f);
   for (std::int64_t y = 40; y < 110; ++y)
