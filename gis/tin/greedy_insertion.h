@@ -12,7 +12,8 @@ struct TooSteep {};
 /// triangle has a cell beyond the bound, the worst cell of one of the worst triangles becomes a vertex, at its own elevation
 /// (rounded to the height step), and the triangulation stays constrained Delaunay. Triangles wait in classes of an eighth of an
 /// octave of their error, the last come first within a class. When it ends every cell keeps the bound. Triangles
-/// with an edge that is too long are split first, near their middle.
+/// with an edge that is too long are split first, near their middle. Sides along voids are split where triangles beside them are too steep for the
+/// displacement.
 /// Throws TooSteep.
 /// Cost: each cell is looked at about log2(cells per triangle at the end) times.
 void insert_greedily(TileMesh& mesh, const TileCells& cells, const TileBound& bound);

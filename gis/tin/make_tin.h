@@ -55,7 +55,7 @@ double height_step(double max_error_m);
 /// thread for tiles, whatever the size of the raster.
 /// Throws Error{input} where the raster has fewer than two rows or columns or no valid cell (inside the boundary) or lines are too
 /// tangled, Error{usage} for a bound that is not above 0, Error{format} where it cannot be kept because of the displacement, with the
-/// least that can (without lines), Error{interrupted}.
+/// least that can, where that is known (not beside lines and voids), Error{interrupted}.
 /// Source: greedy insertion after Garland and Heckbert (1995); simplification by half-edge collapse with elevations freed within
 /// the bound.
 Tin make_tin(const RasterSource& raster, const TinOptions& options, Progress& progress);
