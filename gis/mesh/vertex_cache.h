@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "gis/mesh/mesh.h"
+#include "gis/mesh/recent_blocks.h"
 
 namespace arete {
 
@@ -15,27 +16,19 @@ class VertexCache {
   /// `index` lies in [0, vertices). Throws as MeshSource.
   const MeshVertex& operator[](std::int64_t index) {
     const std::int64_t block = index / block_vertices;
-    if (block != current_) use(block);
-    return slots_[current_slot_].vertices[static_cast<std::size_t>(index % block_vertices)];
+    if (block != current_) {
+      current_ = -1;  // loading may throw
+      vertices_ = blocks_.at(block).data();
+      current_ = block;
+    }
+    return vertices_[index % block_vertices];
   }
 
  private:
-  static constexpr std::int64_t block_vertices = 4096;
-  static constexpr std::size_t most_slots = 256;
-  struct Slot {
-    std::int64_t block = -1;
-    std::int64_t last_use = 0;
-    std::vector<MeshVertex> vertices;
-  };
-  void use(std::int64_t block);
-  std::size_t free_slot();
-
-  const MeshSource& mesh_;
-  std::vector<std::int16_t> slot_of_;  // per block; -1 where it is not kept
-  std::vector<Slot> slots_;
+  static constexpr std::int64_t block_vertices = 4096, kept_blocks = 256;
+  RecentBlocks<std::vector<MeshVertex>> blocks_;
   std::int64_t current_ = -1;
-  std::size_t current_slot_ = 0;
-  std::int64_t uses_ = 0;
+  const MeshVertex* vertices_ = nullptr;  // of the current block
 };
 
 }  // namespace arete
