@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -7,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "core/terrain/statistics.h"
 #include "gis/crs.h"
 #include "gis/dem_file.h"
 #include "gis/image.h"
@@ -54,16 +52,16 @@ struct FormatBound {
   bool fixed_step = false;     ///< elevations must be multiples of 2^-10 m to come back exactly
 };
 
-FormatBound bound_of(const MeshFormat& format, const PlacedMesh& plane, const MeshWriteOptions& writing, double max_error_m) {
+FormatBound bound_of(const MeshFormat& format, const PlacedMesh& plane, const MeshWriteOptions& writing) {
   const MeshRounding rounding = format.rounding(plane.bounds_of_raster(lowest_m, highest_m), writing);
   FormatBound bound;
   bound.taken_m = plane.height_noise_m();
-  bound.displacement = plane.displacement(max_error_m);
+  bound.displacement = plane.displacement();
   bound.displacement.rounding_cells = rounding.horizontal / plane.cell_units();
   // glTF halves edges that are too long for its floats; in another plane than the DEM's, halves of the border would leave it.
   constexpr double longest_in_gltf = 4000;
   if (format.name == "glTF" && bound.displacement.longest_cells != any_length)
-    bound.displacement.longest_cells = std::max(4.0, std::min(bound.displacement.longest_cells, longest_in_gltf / plane.cell_units()));
+    bound.displacement.longest_cells = std::max(least_length, std::min(bound.displacement.longest_cells, longest_in_gltf / plane.cell_units()));
   bound.fixed_step = rounding.vertical > 0;
   const double vertical_m = rounding.vertical * plane.frame().metres_per_unit;
   // Half a step of 2^-10 m and less: the multiples of 2^-10 are among the numbers that the format has.
@@ -152,12 +150,10 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   writing.normals = arguments.normals;
   writing.compress = arguments.draco;
   writing.memory_bytes = common.memory_bytes / 4;
-  const MeshPlacement placement{target_crs(arguments.crs), format.metric || arguments.crs == "utm"};
+  const MeshPlacement placement{target_crs(arguments.crs), format.metric || arguments.crs == "utm", arguments.crs == "utm"};
   const MeshStore nothing;
-  // How long edges may be depends on the bound; where that is still to be found, on a metre.
-  const double bend_error = arguments.max_error > 0 ? arguments.max_error : 1;
   const PlacedMesh plane(nothing, input.geo, input.source->size(), placement);
-  const FormatBound bound = bound_of(format, plane, writing, bend_error);
+  const FormatBound bound = bound_of(format, plane, writing);
 
   TinOptions options;
   options.passes = arguments.passes;
@@ -188,18 +184,21 @@ void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   CLI::App* verb = add_verb(app, "tin", "Turn a DEM or a tree (.sct) into a triangle mesh (TIN) whose vertical error is proven",
                             "arete tin dem.tif mesh.ply --max-error 5\narete tin dem.tif mesh.glb --max-triangles 100000 --normals\narete tin dem.tif dem.tiles --max-error 2\narete tin dem.tif mesh.ply --max-error 5 --breaklines rivers.gpkg --boundary area.gpkg", common,
                             [arguments, common] { run_tin(*arguments, *common); });
-  std::string formats;
-  for (const MeshFormat& format : mesh_formats())
-    for (const std::string& extension : format.extensions) formats += (formats.empty() ? "" : " ") + extension;
+  std::string extensions, formats;
+  for (const MeshFormat& format : mesh_formats()) {
+    extensions += (extensions.empty() ? "" : " ") + fmt::format("{}", fmt::join(format.extensions, " "));
+    formats += fmt::format("\n  {:<15} {}", fmt::format("{}", fmt::join(format.extensions, ", ")), format.description);
+  }
+  verb->footer(verb->get_footer() + "\n\nFormats:" + formats + "\n  .tiles          quantized-mesh tiles and layer.json, a folder (Cesium)");
   verb->add_option("IN", arguments->input, "The DEM, anything that GDAL opens, or a tree (.sct)")->required();
-  verb->add_option("OUT", arguments->output, "The mesh, by its extension: " + formats + "; or a folder of quantized-mesh tiles for Cesium: .tiles, or a name that ends in /")->required();
+  verb->add_option("OUT", arguments->output, "The mesh, by its extension: " + extensions + "; or a folder of quantized-mesh tiles for Cesium: .tiles, or a name that ends in /")->required();
   CLI::Option_group* target = verb->add_option_group("target", "What the mesh must reach; one of them");
   target->add_option("--max-error", arguments->max_error, "No cell is further from the mesh than this, vertically, in metres")->check(above_zero());
   target->add_option("--max-triangles", arguments->max_triangles, "The most faithful mesh of at most this many triangles")->check(CLI::Range(std::int64_t{2}, std::int64_t{1} << 40));
   target->add_option("--rmse", arguments->rmse, "The smallest mesh with a root mean square error of at most this, in metres")->check(above_zero());
   target->require_option(1);
   verb->add_option("--crs", arguments->crs,
-                   "Coordinates in this CRS: EPSG:32632, WKT, 'utm' (the zone of the DEM) or 'ecef' (default: the DEM's; for OBJ, STL, DXF, LandXML and glTF of a "
+                   "Coordinates in this CRS: EPSG:32632, WKT, 'utm' (the zone that the DEM lies in) or 'ecef' (default: the DEM's; for OBJ, STL, DXF, LandXML and glTF of a "
                    "DEM in degrees: utm)");
   verb->add_option("--breaklines", arguments->breaklines,
                    "Lines that become edges of the mesh: rivers, roads, ridges, outlines of polygons; anything that OGR reads, in any CRS (FILE or 'FILE|LAYER')");

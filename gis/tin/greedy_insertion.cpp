@@ -9,8 +9,8 @@
 
 #include "core/support/error.h"
 #include "gis/tin/heights.h"
-#include "gis/tin/tile_domain.h"
 #include "gis/tin/triangle_errors.h"
+#include "gis/tin/void_sides.h"
 
 namespace arete {
 namespace {
@@ -112,44 +112,13 @@ void append_star(const TileMesh& mesh, std::int32_t edge, std::vector<std::int32
   for (h = mesh.twin[edge]; h >= 0; h = mesh.twin[next_edge(h)]) triangles.push_back(h / 3);
 }
 
-/// A side along a void, and the corner of cells nearest to its middle, at which it can be split.
-struct VoidSide {
-  std::int32_t edge = -1;  ///< none
-  std::int32_t length = 0;
-  std::int32_t column = 0, row = 0;  ///< of the cell up and left of the corner
-};
-
-/// The longest side of a triangle along a void that is longer than a cell.
-VoidSide void_side(const TileMesh& mesh, std::int32_t triangle) {
-  const std::int32_t units = mesh.units;
-  VoidSide longest;
-  for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
-    if (mesh.twin[h] >= 0) continue;
-    const std::int32_t a = mesh.origin[h], b = mesh.origin[next_edge(h)];
-    // Sides of the tile run through centres of cells, those along voids between them.
-    const bool along_y = mesh.x[a] == mesh.x[b] && mesh.x[a] % units == units / 2, along_x = mesh.y[a] == mesh.y[b] && mesh.y[a] % units == units / 2;
-    if (!along_x && !along_y) continue;
-    const auto [low, high] = along_y ? std::minmax(mesh.y[a], mesh.y[b]) : std::minmax(mesh.x[a], mesh.x[b]);
-    const std::int32_t cell = (low + high) / 2 / units, at = cell * units + units / 2;
-    if (at <= low || at >= high || high - low <= longest.length) continue;
-    longest = along_y ? VoidSide{h, high - low, mesh.x[a] / units, cell} : VoidSide{h, high - low, cell, mesh.y[a] / units};
-  }
-  return longest;
-}
-
-void split(TileMesh& mesh, const TileCells& cells, const TileBound& bound, const VoidSide& side, std::vector<std::int32_t>& changed) {
-  const std::int32_t half = mesh.units / 2, triangle = side.edge / 3;
-  const double z = corner_height(cells, side.column, side.row, bound.height_step_m);
-  insert_vertex(mesh, triangle, add_vertex(mesh, side.column * mesh.units + half, side.row * mesh.units + half, z, true), changed);
-}
-
 /// The longest side along a void of the triangles about the corners of one.
-VoidSide void_side_about(const TileMesh& mesh, std::int32_t triangle) {
+VoidSide longest_void_side_about(const TileMesh& mesh, std::int32_t triangle) {
   std::vector<std::int32_t> about;
   for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) append_star(mesh, h, about);
   VoidSide longest;
   for (const std::int32_t t : about)
-    if (const VoidSide side = void_side(mesh, t); side.length > longest.length) longest = side;
+    if (const VoidSide side = find_void_side(mesh, t); side.length > longest.length) longest = side;
   return longest;
 }
 
@@ -167,7 +136,7 @@ void ease(TileMesh& mesh, const TileCells& cells, const TileBound& bound, std::i
   }
   const std::int32_t steep = triangle;
   changed.push_back(steep);
-  if (const VoidSide side = void_side(mesh, steep); side.edge >= 0) return split(mesh, cells, bound, side, changed);
+  if (const VoidSide side = find_void_side(mesh, steep); side.edge >= 0) return split_void_side(mesh, cells, bound, side, changed);
   for (std::int32_t h = 3 * steep; h < 3 * steep + 3 && candidate.error == 0; ++h) {
     if (mesh.twin[h] < 0) continue;
     triangle = mesh.twin[h] / 3;
@@ -175,27 +144,9 @@ void ease(TileMesh& mesh, const TileCells& cells, const TileBound& bound, std::i
     candidate = middle_cell(mesh, cells, a, b, c);
   }
   if (candidate.error > 0) return;
-  const VoidSide side = void_side_about(mesh, steep);
+  const VoidSide side = longest_void_side_about(mesh, steep);
   if (side.edge < 0) throw TooSteep();
-  split(mesh, cells, bound, side, changed);
-}
-
-/// The triangle that has a vertex in it, from one close by; -1 where it lies outside the mesh.
-std::int32_t triangle_around(const TileMesh& mesh, std::int32_t triangle, std::int32_t vertex) {
-  constexpr int most_steps = 1000;
-  std::int32_t h = 3 * triangle;
-  for (int seen = 0, step = 0; seen < 3; ++step) {
-    if (step > most_steps) return -1;
-    if (orientation(mesh, mesh.origin[h], mesh.origin[next_edge(h)], vertex) >= 0) {
-      ++seen;
-      h = next_edge(h);
-      continue;
-    }
-    if (mesh.twin[h] < 0) return -1;
-    h = mesh.twin[h];
-    seen = 0;
-  }
-  return h / 3;
+  split_void_side(mesh, cells, bound, side, changed);
 }
 
 }  // namespace
@@ -231,7 +182,7 @@ void insert_greedily(TileMesh& mesh, const TileCells& cells, const TileBound& bo
     const std::int32_t v = add_vertex(mesh, candidate.column * mesh.units, candidate.row * mesh.units, z, false);
     if (mesh.units != 2) {
       // The cell may lie beyond the triangle by as little as a file's noise: what triangle it is in looks after it.
-      triangle = triangle_around(mesh, triangle, v);
+      triangle = find_triangle(mesh, triangle, v);
       if (triangle < 0 || edge_from(mesh, triangle, candidate) >= 0)
         throw Error(ErrorKind::input, "lines leave a triangle thinner than a ten-millionth of a cell: simplify them first");
     }

@@ -166,8 +166,8 @@ double least_bound(const RasterSource& raster, const Displacement& moved) {
   throw Error(ErrorKind::format, text);
 }
 
-/// `longest_side_cells`: of edges along the sides of tiles. Throws TooSteep.
-Tin mesh_tiles(const RasterSource& raster, const TinOptions& options, double longest_side_cells, Progress& progress) {
+/// Throws TooSteep.
+Tin mesh_tiles(const RasterSource& raster, const TinOptions& options, const SideOptions& sides, Progress& progress) {
   const Size size = raster.size();
   const std::vector<std::int64_t> columns = tile_edges(size.width), rows = tile_edges(size.height);
   const std::int64_t across = static_cast<std::int64_t>(columns.size()) - 1, count = across * (static_cast<std::int64_t>(rows.size()) - 1);
@@ -196,7 +196,7 @@ Tin mesh_tiles(const RasterSource& raster, const TinOptions& options, double lon
       raster.read(window, cells.view());
       std::optional<DomainLines> lines;
       if (arrangement) lines = lines_of(*arrangement, options.lines, window, column, row);
-      batch[static_cast<std::size_t>(i)] = mesh_tile(cells.view(), {options.max_error_m, options.height_step_m, options.displacement, options.passes, options.extra_share, longest_side_cells},
+      batch[static_cast<std::size_t>(i)] = mesh_tile(cells.view(), {options.max_error_m, options.height_step_m, options.displacement, options.passes, options.extra_share, sides},
                                                      column + 2 == columns.size(), row + 2 == rows.size(), lines ? &*lines : nullptr);
     };
     parallel_for(now, static_cast<int>(threads), mesh_one);
@@ -233,11 +233,17 @@ Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& prog
   TinOptions options = given;
   if (options.height_step_m == 0 && options.max_error_m > 0) options.height_step_m = height_step(options.max_error_m);
   check(raster.size(), options);
-  // Both tiles at a side mesh it alike, from its own cells: none knows how steep it is beside it. Where that is too steep for the displacement of
-  // edges so long, all tiles take shorter ones.
-  for (const double longest_side_cells : {any_length, 64.0, 8.0, 1.0}) {
+  Displacement& moved = options.displacement;
+  if (moved.sag_m > 0) moved.longest_cells = std::max(least_length, std::min(moved.longest_cells, std::sqrt(options.max_error_m / 8 / moved.sag_m)));
+  // Both tiles at a side mesh it alike, from its own cells: none knows how steep it is beside it, which the displacement makes use of the bound. Where
+  // what is kept for that is too little, all tiles keep more, and take shorter edges there.
+  struct Reserve {
+    double share;  // of the bound
+    double longest_cells;
+  };
+  for (const Reserve& kept : {Reserve{1.0 / 16, any_length}, {0.25, any_length}, {0.5, 64}, {0.5, 8}, {0.5, 1}}) {
     try {
-      return mesh_tiles(raster, options, longest_side_cells, progress);
+      return mesh_tiles(raster, options, {moved.any() ? (1 - kept.share) * options.max_error_m : 0, kept.longest_cells}, progress);
     } catch (const TooSteep&) {
       progress.end();
     }

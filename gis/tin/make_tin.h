@@ -14,7 +14,7 @@ namespace arete {
 struct TinOptions {
   double max_error_m = 1;             ///< above 0
   double height_step_m = 0;           ///< elevations of vertices are multiples of this power of two; 0: height_step(max_error_m)
-  Displacement displacement;          ///< by which the mesh will be moved: the bound holds after that
+  Displacement displacement;          ///< by which the mesh will be moved: the bound holds after that. Edges are kept so short that they sag by an eighth of it at most
   /// Passes of simplification after greedy insertion (simplify.h); 0: greedy insertion alone.
   int passes = 3;
   double extra_share = 0;  ///< so many triangles more, as a share of those that the bound needs, where errors are largest

@@ -10,11 +10,13 @@
 #include <vector>
 
 #include "core/support/error.h"
+#include "gis/tin/displaced_errors.h"
 #include "gis/tin/greedy_insertion.h"
 #include "gis/tin/heights.h"
 #include "gis/tin/simplify.h"
 #include "gis/tin/split_worst.h"
 #include "gis/tin/triangle_errors.h"
+#include "gis/tin/void_sides.h"
 
 namespace arete {
 
@@ -49,9 +51,6 @@ std::vector<float> line_of(RasterView<const float> cells, bool column, std::int6
   return line;
 }
 
-/// What the border keeps of the bound where triangles are displaced: the slopes beside it are not known yet.
-double line_reserve(const TileOptions& options) { return options.displacement.any() ? options.max_error_m / 16 : 0; }
-
 /// What is left of the bound on a side whose vertices georeferencing moves by the noise: no part of it is steeper than its range to half a cell.
 double reserve(std::span<const float> cells, double error_m) {
   double low = 0, high = 0;
@@ -66,10 +65,10 @@ double reserve(std::span<const float> cells, double error_m) {
 
 std::vector<Polyline> simplify_side(RasterView<const float> given, RasterView<const float> rounded, bool column, std::int64_t index,
                                     const TileOptions& options, const std::vector<std::int32_t>* forced) {
-  const double error_m = options.side_error_m > 0 ? options.side_error_m : options.max_error_m;
+  const double error_m = options.sides.error_m > 0 ? options.sides.error_m : options.max_error_m;
   const std::vector<float> line = line_of(rounded, column, index);
-  LineBound bound{bound_for(line_of(given, column, index), error_m - line_reserve(options)), options.height_step_m, 2,
-                  std::min(options.displacement.longest_cells, options.longest_side_cells)};
+  LineBound bound{bound_for(line_of(given, column, index), error_m), options.height_step_m, 2,
+                  std::min(options.displacement.longest_cells, options.sides.longest_cells)};
   if (forced == nullptr) return simplify_line(line, bound);
   bound.error_m = short_bound(reserve(line, bound.error_m));
   bound.units = line_units;
@@ -189,15 +188,6 @@ void check_heights(const TileMesh& mesh, double rounding_cells) {
   }
 }
 
-/// The triangle in or on which a place lies; -1: none.
-std::int32_t find_triangle(const TileMesh& mesh, std::int32_t vertex) {
-  for (std::int32_t t = 0; t < mesh.triangles(); ++t) {
-    const auto [a, b, c] = mesh.corners(t);
-    if (orientation(mesh, a, b, vertex) >= 0 && orientation(mesh, b, c, vertex) >= 0 && orientation(mesh, c, a, vertex) >= 0) return t;
-  }
-  return -1;
-}
-
 /// Makes the corners of the squares vertices, which are held.
 class SquareKeeper {
  public:
@@ -228,16 +218,60 @@ class SquareKeeper {
     if (column < 1 || row < 1 || column + 2 > cells_.width || row + 2 > cells_.height || is_void(cells_(column, row)) || numbers_.contains(place)) return;
     const std::int32_t vertex = add_vertex(mesh_, place.first, place.second, round_height(cells_(column, row), step_), true);
     numbers_[place] = vertex;
-    const std::int32_t triangle = find_triangle(mesh_, vertex);
     std::vector<std::int32_t> changed;
-    insert_vertex(mesh_, triangle, vertex, changed);
+    insert_vertex(mesh_, find_triangle(mesh_, last_, vertex), vertex, changed);
+    last_ = changed.back();
   }
 
   TileMesh& mesh_;
   const TileCells& cells_;
   double step_;
   std::map<Place, std::int32_t> numbers_;
+  std::int32_t last_ = 0;  // a triangle close by
 };
+
+/// Fills the sides of a tile with vertices and takes away what the bound does not need.
+TileMesh fill(TileMesh mesh, const TileCells& cells, const TileBound& bound, const TileOptions& options) {
+  insert_greedily(mesh, cells, bound);
+  link_vertices(mesh);
+  simplify(mesh, cells, bound, options.passes);
+  mesh = sort_mesh(mesh);
+  if (options.extra_share > 0) {
+    split_worst(mesh, cells, bound, static_cast<std::int64_t>(options.extra_share * mesh.triangles() / 2));
+    link_vertices(mesh);
+    mesh = sort_mesh(mesh);
+  }
+  return mesh;
+}
+
+/// Splits the sides along voids of triangles that are beyond the bound when displaced. Whether there was any.
+bool split_void_sides(TileMesh& mesh, const TileCells& cells, const TileBound& bound, const std::vector<DisplacedExcess>& beyond) {
+  std::vector<std::int32_t> changed;
+  mesh.leaving.clear();
+  for (const DisplacedExcess& excess : beyond)
+    if (const VoidSide side = find_void_side(mesh, excess.triangle); side.edge >= 0) split_void_side(mesh, cells, bound, side, changed);
+  if (!changed.empty()) insert_greedily(mesh, cells, bound);
+  link_vertices(mesh);
+  return !changed.empty();
+}
+
+/// The same so that the bound holds after the displacement. fill() proves it of the cells inside each triangle, not of those close beside it and on the sides of the
+/// tile: where one of these is beyond it, sides along voids are split, and the tile is filled within less.
+TileMesh fill_for_displacement(const TileMesh& mesh, const TileCells& cells, const TileBound& bound, const TileOptions& options) {
+  TileBound inner = bound;
+  for (double taken = 0; taken <= bound.error_m / 2;) {
+    inner.error_m = short_bound(bound.error_m - taken);
+    TileMesh filled = fill(mesh, cells, inner, options);
+    std::vector<DisplacedExcess> beyond = find_displaced_excesses(filled, cells, bound);
+    const bool sound = beyond.empty();
+    while (!beyond.empty() && split_void_sides(filled, cells, inner, beyond)) beyond = find_displaced_excesses(filled, cells, bound);
+    if (beyond.empty()) return sound ? filled : sort_mesh(filled);
+    const auto worst = std::max_element(beyond.begin(), beyond.end(), [](const auto& a, const auto& b) { return a.beyond_m < b.beyond_m; });
+    if (worst->on_side) break;
+    taken = std::max({2 * taken, 1.5 * worst->beyond_m, bound.error_m / 64});
+  }
+  throw TooSteep();
+}
 
 }  // namespace
 
@@ -258,15 +292,7 @@ MeshedTile mesh_tile(RasterView<const float> given, const TileOptions& options, 
   tile.mesh = sort_mesh(tile.mesh);
   tile.mesh.leaving.clear();
   if (!options.squares.empty()) SquareKeeper(tile.mesh, cells, options.height_step_m).keep(options.squares);
-  insert_greedily(tile.mesh, cells, bound);
-  link_vertices(tile.mesh);
-  simplify(tile.mesh, cells, bound, options.passes);
-  tile.mesh = sort_mesh(tile.mesh);
-  if (options.extra_share > 0) {
-    split_worst(tile.mesh, cells, bound, static_cast<std::int64_t>(options.extra_share * tile.mesh.triangles() / 2));
-    link_vertices(tile.mesh);
-    tile.mesh = sort_mesh(tile.mesh);
-  }
+  tile.mesh = bound.displacement.any() ? fill_for_displacement(tile.mesh, cells, bound, options) : fill(std::move(tile.mesh), cells, bound, options);
   if (lines != nullptr) check_heights(tile.mesh, options.displacement.rounding_cells);
   tile.errors = measure_inside(tile.mesh, given);
   if (lines != nullptr && lines->inside) tile.side_cells = find_side_cells(tile.mesh, given, border);

@@ -15,14 +15,19 @@ struct CellSquare {
   std::int32_t column = 0, row = 0;
 };
 
+/// How the four sides of a tile are meshed, where otherwise than its inside.
+struct SideOptions {
+  double error_m = 0;                 ///< the bound; 0: that of the inside
+  double longest_cells = any_length;  ///< no edge may be longer; displacement.longest_cells holds too
+};
+
 struct TileOptions {
   double max_error_m = 1;
   double height_step_m = 1.0 / 1024;  ///< a power of two
   Displacement displacement;
   int passes = 3;                     ///< of simplify(); 0: greedy insertion alone
   double extra_share = 0;             ///< of the triangles at the end, which are spent again on the worst ones (split_worst)
-  double longest_side_cells = any_length;  ///< no edge along the four sides may be longer; displacement.longest_cells holds for them too
-  double side_error_m = 0;            ///< the bound of the four sides, where it is to be another than that of the inside; 0: the same
+  SideOptions sides;
   /// Squares whose corners are to be vertices, at the elevations of their cells, and whose sides are to be edges; but corners that are void
   /// or on a side of the tile.
   std::span<const CellSquare> squares = {};

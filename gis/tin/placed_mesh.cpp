@@ -38,6 +38,8 @@ std::string utm_zone_of(const GeoReference& geo, Size size) {
   return crs_wkt("EPSG:" + std::to_string(GeographicLib::UTMUPS::EncodeEPSG(zone, latitude >= 0)));
 }
 
+bool is_utm(const std::string& wkt) { return !wkt.empty() && parse_crs(wkt).GetUTMZone() != 0; }
+
 /// From the raster's CRS to the mesh's. Heights take part only where the mesh is geocentric.
 struct ChangeOfPlane {
   std::unique_ptr<OGRCoordinateTransformation> change;  // null: none
@@ -100,8 +102,8 @@ struct PlacedMesh::Impl {
 
 PlacedMesh::PlacedMesh(const MeshSource& mesh, const GeoReference& geo, Size size, const MeshPlacement& placement)
     : mesh_(mesh), impl_(std::make_unique<Impl>()) {
-  const CrsSummary own = summarise_crs(geo.crs_wkt);
-  std::string wkt = placement.crs_wkt.empty() ? placement.metric && own.geographic ? utm_zone_of(geo, size) : geo.crs_wkt : placement.crs_wkt;
+  const bool in_utm = placement.utm ? !is_utm(geo.crs_wkt) : placement.metric && placement.crs_wkt.empty() && summarise_crs(geo.crs_wkt).geographic;
+  const std::string wkt = in_utm ? utm_zone_of(geo, size) : placement.crs_wkt.empty() ? geo.crs_wkt : placement.crs_wkt;
   impl_->size = size;
   impl_->transform = geo.transform.value_or(std::array<double, 6>{0, 1, 0, 0, 0, -1});
   impl_->frame = {wkt, geo.vertical_unit, geo.metres_per_unit};
@@ -163,7 +165,7 @@ double PlacedMesh::cell_units() const {
   return std::min(distance(corner[0], corner[1]), distance(corner[0], corner[2]));
 }
 
-Displacement PlacedMesh::displacement(double max_error_m) const {
+Displacement PlacedMesh::displacement() const {
   Displacement moved;
   if (!impl_->plane.change) return moved;
   constexpr double safety = 1.5;
@@ -187,9 +189,7 @@ Displacement PlacedMesh::displacement(double max_error_m) const {
         moved.bend_cells = std::max(moved.bend_cells, safety * aside / cell / cells2);
         moved.sag_m = std::max(moved.sag_m, safety * sag / cells2);
       }
-  const double straight = moved.bend_cells > 0 ? std::sqrt(0.25 / moved.bend_cells) : any_length;
-  const double level = moved.sag_m > 0 ? std::sqrt(max_error_m / 8 / moved.sag_m) : any_length;
-  moved.longest_cells = std::max(4.0, std::min({straight, level, any_length}));
+  if (moved.bend_cells > 0) moved.longest_cells = std::max(least_length, std::min(any_length, std::sqrt(0.25 / moved.bend_cells)));
   return moved;
 }
 

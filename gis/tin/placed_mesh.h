@@ -13,6 +13,7 @@ namespace arete {
 struct MeshPlacement {
   std::string crs_wkt;  ///< empty: that of the raster
   bool metric = false;  ///< one unit for x, y and z: a raster in degrees is placed in its UTM zone, elevations get the unit of x and y
+  bool utm = false;     ///< in place of crs_wkt: the UTM (or UPS) zone of the middle of the raster; its own where that is a UTM zone
 };
 
 /// A TIN in the plane of its raster's cells (x: columns, y: rows from the centre of the first cell, z: metres; triangles
@@ -38,8 +39,8 @@ class PlacedMesh final : public MeshSource {
   /// The least width of a cell in the units of x and y.
   double cell_units() const;
   /// What placing makes of straight lines: measured at nine places of the raster, along both sides and a diagonal, with half as much again;
-  /// edges so short that this stays below a quarter of a cell and an eighth of the bound. The format's rounding is not in it.
-  Displacement displacement(double max_error_m) const;
+  /// edges so short that they bend by a quarter of a cell at most. The format's rounding is not in it.
+  Displacement displacement() const;
   /// How far an elevation may be off, in metres, when a reader takes it back to the raster: 0 where it stays a number of metres.
   double height_noise_m() const;
 

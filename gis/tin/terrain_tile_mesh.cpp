@@ -149,7 +149,7 @@ TerrainTileMesh mesh_terrain_tile(const TerrainTileId& tile, const TerrainGrid& 
     options.max_error_m = within;
     options.height_step_m = bound.height_step_m;
     options.passes = bound.passes;
-    options.side_error_m = bound.side_error_m;
+    options.sides.error_m = bound.side_error_m;
     const GridMesh mesh = mesh_grid(grid.heights, parts_of(tile.level), options, squares);
     TerrainTileMesh made;
     made.mesh = quantize(mesh, tile, bound.height_step_m);

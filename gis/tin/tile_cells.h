@@ -12,6 +12,8 @@ using TileCells = RasterView<const float>;
 
 /// A limit of lengths that is none.
 inline constexpr double any_length = 1e9;
+/// The shortest limit, in cells: whatever the displacement, edges may be this long.
+inline constexpr double least_length = 4;
 
 /// What becomes of a triangle when its corners are placed in another plane and written: the bound must hold after it. All 0 where a
 /// mesh stays in the plane of its raster and keeps its coordinates.
@@ -20,7 +22,7 @@ struct Displacement {
   /// A straight line of L cells in the raster's plane lies up to bend_cells L² cells beside the straight edge that stands for it, and
   /// sag_m L² metres above or below it.
   double bend_cells = 0, sag_m = 0;
-  double longest_cells = any_length;  ///< no edge may be longer than this; at least 4
+  double longest_cells = any_length;  ///< no edge may be longer than this; at least least_length
   bool any() const { return rounding_cells > 0 || bend_cells > 0 || sag_m > 0; }
 };
 

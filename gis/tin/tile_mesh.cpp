@@ -150,6 +150,26 @@ void drop_last_vertex(TileMesh& mesh) {
   mesh.held.pop_back();
 }
 
+std::int32_t find_triangle(const TileMesh& mesh, std::int32_t near, std::int32_t vertex) {
+  constexpr int most_steps = 1000;
+  std::int32_t h = 3 * near;
+  for (int seen = 0, step = 0; h >= 0 && step < most_steps; ++step) {
+    if (orientation(mesh, mesh.origin[h], mesh.origin[next_edge(h)], vertex) < 0) {
+      h = mesh.twin[h];
+      seen = 0;
+    } else if (++seen == 3) {
+      return h / 3;
+    } else {
+      h = next_edge(h);
+    }
+  }
+  for (std::int32_t t = 0; t < mesh.triangles(); ++t) {
+    const auto [a, b, c] = mesh.corners(t);
+    if (orientation(mesh, a, b, vertex) >= 0 && orientation(mesh, b, c, vertex) >= 0 && orientation(mesh, c, a, vertex) >= 0) return t;
+  }
+  return -1;
+}
+
 void split_triangle(TileMesh& mesh, std::int32_t triangle, std::int32_t vertex) {
   const std::int32_t h = 3 * triangle;
   const auto [a, b, c] = mesh.corners(triangle);

@@ -47,6 +47,9 @@ std::int32_t add_vertex(TileMesh& mesh, std::int32_t x, std::int32_t y, double z
 /// Takes back the vertex that was added last, which no triangle has.
 void drop_last_vertex(TileMesh& mesh);
 
+/// The triangle in or on which the vertex, which belongs to none, lies; -1: none. Walks from the triangle `near`; looks at all where that leaves the mesh.
+std::int32_t find_triangle(const TileMesh& mesh, std::int32_t near, std::int32_t vertex);
+
 /// Makes three triangles of the one in whose inside the vertex lies. Leaves `leaving` as it is: link_vertices() sets it.
 void split_triangle(TileMesh& mesh, std::int32_t triangle, std::int32_t vertex);
 

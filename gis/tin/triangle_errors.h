@@ -91,14 +91,20 @@ inline bool is_too_long(const TileMesh& mesh, std::int32_t a, std::int32_t b, st
   return longest_squared(mesh, a, b, c) > most * most;
 }
 
+/// How far the triangle's sides and corners are moved along x and y, at most, in units.
+inline double moves_aside(const TileMesh& mesh, std::int32_t a, std::int32_t b, std::int32_t c, const TileBound& bound) {
+  const Displacement& moved = bound.displacement;
+  const double cells2 = longest_squared(mesh, a, b, c) / (static_cast<double>(mesh.units) * mesh.units);
+  return (moved.rounding_cells + bound.noise_cells + moved.bend_cells * cells2) * mesh.units;
+}
+
 /// How much of the bound a triangle has for its cells, times twice its area: what its slope makes of the displacement is kept in
 /// reserve.
 inline double allowance(const TileMesh& mesh, const TrianglePlane& plane, std::int32_t a, std::int32_t b, std::int32_t c, const TileBound& bound) {
   const Displacement& moved = bound.displacement;
   if (!moved.any() && bound.noise_cells == 0) return plane.area2 * bound.error_m;
-  const double cells2 = longest_squared(mesh, a, b, c) / (static_cast<double>(mesh.units) * mesh.units);
-  const double aside = (moved.rounding_cells + bound.noise_cells + moved.bend_cells * cells2) * mesh.units;
-  return plane.area2 * (bound.error_m - moved.sag_m * cells2) - aside * (std::abs(plane.along_x) + std::abs(plane.along_y)) - plane.noise;
+  const double sag_m = moved.sag_m * longest_squared(mesh, a, b, c) / (static_cast<double>(mesh.units) * mesh.units);
+  return plane.area2 * (bound.error_m - sag_m) - moves_aside(mesh, a, b, c, bound) * (std::abs(plane.along_x) + std::abs(plane.along_y)) - plane.noise;
 }
 
 /// Calls body(difference, row, column) for each cell of a triangle: twice its area times the height of its plane over the cell.

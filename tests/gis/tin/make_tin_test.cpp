@@ -256,7 +256,7 @@ Tin mesh_for(const RasterSource& raster, const GeoReference& geo, const MeshPlac
   const MeshStore nothing;
   const PlacedMesh plane(nothing, geo, raster.size(), placement);
   TinOptions options;
-  options.displacement = plane.displacement(max_error);
+  options.displacement = plane.displacement();
   return mesh_of(raster, max_error - plane.height_noise_m(), options);
 }
 

@@ -86,6 +86,29 @@ TEST(InsertVertex, StaysDelaunayInsideOnEdgesAndOnTheBorder) {
   }
 }
 
+TEST(FindTriangle, WalksAcrossTheMeshAndAroundItsGaps) {
+  TileMesh mesh = square(40);
+  std::vector<std::int32_t> changed;
+  for (std::uint64_t i = 0; i < 200; ++i) {
+    const auto at = [&](std::uint64_t k) { return 1 + static_cast<std::int32_t>(uniform_at(k, i) * 78); };
+    const std::int32_t v = add_vertex(mesh, at(1), at(2), 0, false), triangle = find_triangle(mesh, 0, v);
+    ASSERT_GE(triangle, 0);
+    const auto [a, b, c] = mesh.corners(triangle);
+    EXPECT_TRUE(orientation(mesh, a, b, v) >= 0 && orientation(mesh, b, c, v) >= 0 && orientation(mesh, c, a, v) >= 0);
+    const auto same_place = [&](std::int32_t u) { return mesh.x[u] == mesh.x[v] && mesh.y[u] == mesh.y[v]; };
+    if (same_place(a) || same_place(b) || same_place(c)) drop_last_vertex(mesh);
+    else insert_vertex(mesh, triangle, v, changed);
+  }
+  const std::int32_t outside = add_vertex(mesh, 100, 30, 0, false);
+  EXPECT_EQ(find_triangle(mesh, 0, outside), -1);
+  // Two triangles that do not touch: the walk ends at a border.
+  TileMesh parts;
+  for (const auto& [x, y] : {std::pair{0, 0}, {4, 0}, {0, 4}, {20, 0}, {24, 0}, {20, 4}}) add_vertex(parts, x, y, 0, false);
+  parts.origin = {0, 1, 2, 3, 4, 5};
+  parts.twin = {-1, -1, -1, -1, -1, -1};
+  EXPECT_EQ(find_triangle(parts, 0, add_vertex(parts, 21, 1, 0, false)), 1);
+}
+
 TEST(InsertVertex, LeavesFixedEdges) {
   TileMesh mesh = square(10);
   mesh.fixed = {0, 0, 1, 1, 0, 0};
