@@ -113,6 +113,24 @@ TEST_F(MeshVerbs, VerifyFindsHalfCellsInEveryFormat) {
   }
 }
 
+// Floats move these vertices by up to a hundred-thousandth of a cell, on cliffs of 9000 m: they are found again, and what moving them costs is told.
+TEST_F(MeshVerbs, VerifySeesWhatRoundingCosts) {
+  Raster<float> cliffs(300, 4);
+  for (std::int64_t y = 0; y < 4; ++y)
+    for (std::int64_t x = 0; x < 300; ++x) cliffs(x, y) = x % 2 == 0 ? 0.0F : 9000.0F;
+  geo_.transform = {500000, 1.0 / 3, 0, 4600000, 0, -1.0 / 3};
+  DemWriter writer(path("cliffs.tif"), cliffs.size(), geo_);
+  writer.write(0, {0, 0, 300, 4}, cliffs.view());
+  writer.commit();
+  mesh_ = grid_mesh(cliffs.view(), 1, geo_);
+  const std::string command = "verify " + write_mesh("mesh.stl") + " --dem " + path("cliffs.tif");
+  EXPECT_EQ(run(command + " --max-error 1").code, 0);
+  const Outcome finer = run(command + " --max-error 0.001");
+  EXPECT_EQ(finer.code, 8);
+  EXPECT_THAT(finer.err, HasSubstr("cells are further off than 0.001 m"));
+  EXPECT_EQ(finer.err.find("no triangle"), std::string::npos) << finer.err;
+}
+
 TEST_F(MeshVerbs, InfoDescribesAMesh) {
   const std::string mesh = write_mesh("mesh.ply");
   const Outcome text = run("info " + mesh);
