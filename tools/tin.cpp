@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include <fmt/format.h>
@@ -28,7 +27,7 @@ namespace {
 
 struct TinArguments {
   std::string input, output, crs, breaklines, boundary;
-  std::optional<std::string> drape;  ///< the picture; empty: the relief
+  std::string drape;  ///< 'relief' or a picture; empty: none
   DemReadOptions dem;
   double max_error = 0, rmse = 0;
   std::int64_t max_triangles = 0;
@@ -94,8 +93,8 @@ std::string describe(const TinArguments& arguments, const TinReport& report, dou
 /// holds it, as scratch.
 void add_drape(const TinArguments& arguments, const ElevationInput& input, const PlacedMesh& plane, const StagedFiles& staged, const MeshFormat& format,
                const CommonOptions& common, Progress& progress, MeshWriteOptions& writing) {
-  const Drape drape = arguments.drape->empty() ? draw_drape(*input.source, input.geo, plane, common.threads, progress)
-                                                : drape_picture(read_picture(*arguments.drape), input.geo, input.source->size(), plane);
+  const Drape drape = arguments.drape == "relief" ? draw_drape(*input.source, input.geo, plane, common.threads, progress)
+                                                : drape_picture(read_picture(arguments.drape), input.geo, input.source->size(), plane);
   const std::filesystem::path beside = std::filesystem::path(staged.staged()).replace_extension(".png");
   writing.texture = format.name == "OBJ" ? beside.string() : staged.scratch("relief.png");
   writing.texture_bounds = drape.bounds;
@@ -104,7 +103,7 @@ void add_drape(const TinArguments& arguments, const ElevationInput& input, const
 
 void make_tiles(const TinArguments& arguments, const CommonOptions& common) {
   if (!(arguments.max_error > 0)) throw Error(ErrorKind::usage, "tiles for Cesium are made within an error: give --max-error");
-  if (!arguments.crs.empty() || arguments.normals || arguments.draco || arguments.drape)
+  if (!arguments.crs.empty() || arguments.normals || arguments.draco || !arguments.drape.empty())
     throw Error(ErrorKind::usage, "tiles for Cesium are in longitude and latitude, without normals or picture: leave --crs, --normals, --draco and --drape out");
   if (!arguments.breaklines.empty() || !arguments.boundary.empty())
     throw Error(ErrorKind::usage, "tiles for Cesium take no lines yet: leave --breaklines and --boundary out, or write another format");
@@ -140,7 +139,7 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   const MeshFormat& format = mesh_format_of(arguments.output);
   if (arguments.normals && !format.holds_normals) throw Error(ErrorKind::usage, format.name + " holds no normals: leave --normals out, or write PLY, OBJ or glTF");
   if (arguments.draco && format.name != "glTF") throw Error(ErrorKind::usage, "--draco is of glTF: name the output .glb or .gltf");
-  if (arguments.drape && !format.holds_texture) throw Error(ErrorKind::usage, format.name + " holds no picture: leave --drape out, or write OBJ or glTF");
+  if (!arguments.drape.empty() && !format.holds_texture) throw Error(ErrorKind::usage, format.name + " holds no picture: leave --drape out, or write OBJ or glTF");
   StagedFiles staged(arguments.output, common.overwrite, format.side_endings);
   const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads, arguments.level);
   limit_block_cache(common.memory_bytes / 8);
@@ -162,7 +161,7 @@ void run_tin(const TinArguments& arguments, const CommonOptions& common) {
   options.threads = common.threads;
   options.scratch = {common.memory_bytes / 4 * 3, std::filesystem::absolute(arguments.output).parent_path().string()};
   const auto progress = make_progress(common);
-  if (arguments.drape) add_drape(arguments, input, plane, staged, format, common, *progress, writing);
+  if (!arguments.drape.empty()) add_drape(arguments, input, plane, staged, format, common, *progress, writing);
   const Tin tin = make(*input.source, arguments, options, bound, *progress);
   const PlacedMesh mesh(tin.mesh, input.geo, input.source->size(), placement);
   progress->begin("writing", 0);
@@ -210,8 +209,7 @@ void add_tin(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_flag("--fill", arguments->fill, "Tiles for Cesium: ground at height 0 where the DEM has none, at the deepest level too, which else has holes there");
   verb->add_flag("--draco", arguments->draco, "Compress with Draco (glTF)");
   verb->add_option("--drape", arguments->drape,
-                   "Drape the shaded relief map over it (OBJ, glTF), or a picture of your own that covers the DEM to the edges of its cells")
-      ->expected(0, 1);
+                   "What lies over it (OBJ, glTF): 'relief', the shaded relief map, or a picture of your own that covers the DEM to the edges of its cells");
   add_dem_options(verb, arguments->dem);
 }
 

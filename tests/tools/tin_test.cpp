@@ -100,16 +100,16 @@ TEST_F(TinVerb, ReadsTreesAtAnyLevel) {
 }
 
 TEST_F(TinVerb, DrapesTheRelief) {
-  const Outcome obj = run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 20 --drape --normals");
+  const Outcome obj = run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 20 --drape relief --normals");
   ASSERT_EQ(obj.code, 0) << obj.err;
   EXPECT_THAT(read(path("mesh.mtl")), HasSubstr("map_Kd mesh.png"));
   EXPECT_GE(read_picture(path("mesh.png")).width(), 150);
-  const Outcome glb = run("tin " + dem_ + " " + path("mesh.glb") + " --max-error 20 --drape --normals --crs EPSG:3857");
+  const Outcome glb = run("tin " + dem_ + " " + path("mesh.glb") + " --max-error 20 --drape relief --normals --crs EPSG:3857");
   ASSERT_EQ(glb.code, 0) << glb.err;
   EXPECT_THAT(read(path("mesh.glb")), HasSubstr("TEXCOORD_0"));
   EXPECT_THAT(read(path("mesh.glb")), HasSubstr("PNG"));
   EXPECT_EQ(run("verify " + path("mesh.glb") + " --dem " + dem_ + " --max-error 20").code, 0);
-  EXPECT_EQ(run("tin " + dem_ + " " + path("other.ply") + " --max-error 20 --drape").code, 2);
+  EXPECT_EQ(run("tin " + dem_ + " " + path("other.ply") + " --max-error 20 --drape relief").code, 2);
 }
 
 /// A plain with a peak at column 110, row 30, in degrees or not; and a picture that is red about the peak and blue elsewhere.
@@ -220,15 +220,15 @@ TEST_F(TinVerb, RefusesPicturesBeforeItWorks) {
   const Outcome none = run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 5 --drape " + path("none.png"));
   EXPECT_EQ(none.code, 3);
   EXPECT_EQ(none.error_lines(), 1) << none.err;
-  const Outcome globe = run("tin " + dem_ + " " + path("mesh.glb") + " --max-error 5 --crs ecef --drape");
+  const Outcome globe = run("tin " + dem_ + " " + path("mesh.glb") + " --max-error 5 --crs ecef --drape relief");
   EXPECT_EQ(globe.code, 2);
   EXPECT_THAT(globe.err, HasSubstr("map plane"));
-  EXPECT_EQ(run("tin " + dem_ + " " + path("mesh.tiles") + " --max-error 5 --drape").code, 2);
+  EXPECT_EQ(run("tin " + dem_ + " " + path("mesh.tiles") + " --max-error 5 --drape relief").code, 2);
   EXPECT_EQ(entries(), before);
 }
 
 TEST_F(TinVerb, LeavesNoSideFilesOfAnOverwrittenMesh) {
-  ASSERT_EQ(run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 20 --drape").code, 0);
+  ASSERT_EQ(run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 20 --drape relief").code, 0);
   for (const char* side : {"mesh.mtl", "mesh.png", "mesh.prj", "mesh_offset.xyz"}) EXPECT_TRUE(std::filesystem::exists(path(side))) << side;
   ASSERT_EQ(run("tin " + dem_ + " " + path("mesh.obj") + " --max-error 20 --overwrite").code, 0);
   EXPECT_FALSE(std::filesystem::exists(path("mesh.mtl")));
