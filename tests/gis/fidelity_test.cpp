@@ -2,6 +2,7 @@
 // the same protocol: input = area average; voids, and the 6 coarse cells nearest to them and to the border, left out.
 #include <algorithm>
 #include <cmath>
+#include <ostream>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -95,6 +96,7 @@ struct Row {
   int factor;
   double linear_rmse_m;
 };
+void PrintTo(const Row& row, std::ostream* out) { *out << row.exemplar << " to " << row.input << " x" << row.factor; }
 
 class Fidelity : public testing::TestWithParam<Row> {};
 

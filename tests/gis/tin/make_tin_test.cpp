@@ -3,6 +3,7 @@
 #include <cmath>
 #include <filesystem>
 #include <functional>
+#include <ostream>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -340,6 +341,7 @@ struct RealDem {
   const char* name;
   std::vector<double> bounds;
 };
+void PrintTo(const RealDem& dem, std::ostream* out) { *out << dem.name; }
 
 class MakeTinOfRealDem : public testing::TestWithParam<RealDem> {};
 
