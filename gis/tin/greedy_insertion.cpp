@@ -101,27 +101,6 @@ std::int32_t edge_from(const TileMesh& mesh, std::int32_t triangle, const Candid
   return -1;
 }
 
-/// Appends the triangles about the vertex that a half-edge leaves.
-void append_star(const TileMesh& mesh, std::int32_t edge, std::vector<std::int32_t>& triangles) {
-  std::int32_t h = edge;
-  do {
-    triangles.push_back(h / 3);
-    h = mesh.twin[previous_edge(h)];
-  } while (h >= 0 && h != edge);
-  if (h >= 0) return;
-  for (h = mesh.twin[edge]; h >= 0; h = mesh.twin[next_edge(h)]) triangles.push_back(h / 3);
-}
-
-/// The longest side along a void of the triangles about the corners of one.
-VoidSide longest_void_side_about(const TileMesh& mesh, std::int32_t triangle) {
-  std::vector<std::int32_t> about;
-  for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) append_star(mesh, h, about);
-  VoidSide longest;
-  for (const std::int32_t t : about)
-    if (const VoidSide side = find_void_side(mesh, t); side.length > longest.length) longest = side;
-  return longest;
-}
-
 /// A triangle that is too steep, its worst cell one of its corners: a corner that a simplification moved gets its own elevation back;
 /// else its side along a void is split; else a cell beside the triangle is found, which makes it another one; else a side along
 /// a void that is close by is split.
@@ -144,7 +123,7 @@ void ease(TileMesh& mesh, const TileCells& cells, const TileBound& bound, std::i
     candidate = middle_cell(mesh, cells, a, b, c);
   }
   if (candidate.error > 0) return;
-  const VoidSide side = longest_void_side_about(mesh, steep);
+  const VoidSide side = find_void_side_about(mesh, steep);
   if (side.edge < 0) throw TooSteep();
   split_void_side(mesh, cells, bound, side, changed);
 }

@@ -154,9 +154,11 @@ double least_bound(const RasterSource& raster, const Displacement& moved) {
 [[noreturn]] void fail_too_steep(const RasterSource& raster, const TinOptions& options) {
   char text[240];
   const char* moves = "the format or the CRS of the mesh moves coordinates by up to %.2g cells, too much for %g m ";
-  const int length = std::snprintf(text, sizeof text, moves, options.displacement.rounding_cells, options.max_error_m);
+  const Displacement& moved = options.displacement;
+  const double bent = moved.bend_cells > 0 ? moved.bend_cells * moved.longest_cells * moved.longest_cells : 0;
+  const int length = std::snprintf(text, sizeof text, moves, moved.rounding_cells + bent, options.max_error_m);
   const std::size_t end = static_cast<std::size_t>(length);
-  const double least = 1.01 * least_bound(raster, options.displacement);
+  const double least = 1.01 * least_bound(raster, moved);
   if (options.lines.empty() && least > options.max_error_m)
     std::snprintf(text + end, sizeof text - end, "on terrain so steep: the bound must be at least %.3g m", least);
   else if (options.lines.empty())

@@ -244,12 +244,15 @@ TileMesh fill(TileMesh mesh, const TileCells& cells, const TileBound& bound, con
   return mesh;
 }
 
-/// Splits the sides along voids of triangles that are beyond the bound when displaced. Whether there was any.
+/// Splits the sides along voids of triangles, or close by, that are beyond the bound when displaced. Whether there was any.
 bool split_void_sides(TileMesh& mesh, const TileCells& cells, const TileBound& bound, const std::vector<DisplacedExcess>& beyond) {
   std::vector<std::int32_t> changed;
   mesh.leaving.clear();
-  for (const DisplacedExcess& excess : beyond)
-    if (const VoidSide side = find_void_side(mesh, excess.triangle); side.edge >= 0) split_void_side(mesh, cells, bound, side, changed);
+  for (const DisplacedExcess& excess : beyond) {
+    VoidSide side = find_void_side(mesh, excess.triangle);
+    if (side.edge < 0) side = find_void_side_about(mesh, excess.triangle);
+    if (side.edge >= 0) split_void_side(mesh, cells, bound, side, changed);
+  }
   if (!changed.empty()) insert_greedily(mesh, cells, bound);
   link_vertices(mesh);
   return !changed.empty();

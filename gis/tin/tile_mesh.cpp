@@ -233,6 +233,16 @@ void collect_ring(const TileMesh& mesh, std::int32_t vertex, Ring& ring) {
   ring.closed = true;
 }
 
+void append_star(const TileMesh& mesh, std::int32_t edge, std::vector<std::int32_t>& triangles) {
+  std::int32_t h = edge;
+  do {
+    triangles.push_back(h / 3);
+    h = mesh.twin[previous_edge(h)];
+  } while (h >= 0 && h != edge);
+  if (h >= 0) return;
+  for (h = mesh.twin[edge]; h >= 0; h = mesh.twin[next_edge(h)]) triangles.push_back(h / 3);
+}
+
 void link_vertices(TileMesh& mesh) {
   mesh.leaving.assign(mesh.x.size(), -1);
   for (std::int32_t h = 0; h < static_cast<std::int32_t>(mesh.origin.size()); ++h) {

@@ -71,6 +71,9 @@ struct Ring {
 };
 void collect_ring(const TileMesh& mesh, std::int32_t vertex, Ring& ring);
 
+/// Appends the triangles about the vertex that a half-edge leaves.
+void append_star(const TileMesh& mesh, std::int32_t edge, std::vector<std::int32_t>& triangles);
+
 /// Sets `leaving` of all vertices from the triangles.
 void link_vertices(TileMesh& mesh);
 

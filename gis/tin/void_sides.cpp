@@ -23,6 +23,15 @@ VoidSide find_void_side(const TileMesh& mesh, std::int32_t triangle) {
   return longest;
 }
 
+VoidSide find_void_side_about(const TileMesh& mesh, std::int32_t triangle) {
+  std::vector<std::int32_t> about;
+  for (std::int32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) append_star(mesh, h, about);
+  VoidSide longest;
+  for (const std::int32_t t : about)
+    if (const VoidSide side = find_void_side(mesh, t); side.length > longest.length) longest = side;
+  return longest;
+}
+
 void split_void_side(TileMesh& mesh, const TileCells& cells, const TileBound& bound, const VoidSide& side, std::vector<std::int32_t>& changed) {
   const std::int32_t half = mesh.units / 2;
   const double z = corner_height(cells, side.column, side.row, bound.height_step_m);

@@ -18,6 +18,9 @@ struct VoidSide {
 /// The longest side of a triangle along a void that is longer than a cell.
 VoidSide find_void_side(const TileMesh& mesh, std::int32_t triangle);
 
+/// The longest of the triangles about the corners of one, itself among them.
+VoidSide find_void_side_about(const TileMesh& mesh, std::int32_t triangle);
+
 /// Makes the corner a vertex at the mean of the cells about it, held. Appends each triangle that is new or changed to `changed`.
 void split_void_side(TileMesh& mesh, const TileCells& cells, const TileBound& bound, const VoidSide& side, std::vector<std::int32_t>& changed);
 

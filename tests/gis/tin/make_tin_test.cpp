@@ -277,6 +277,27 @@ TEST(MakeTin, LongSidesOfVoidsAreNoHindranceInAnotherPlane) {
     }
 }
 
+// Once refused: between the border and the void lies half a row of ground, and a triangle reached from its cliff to the void's far corner.
+TEST(MakeTin, CliffsBetweenTheBorderAndAVoidAreNoHindranceInAnotherPlane) {
+  Raster<float> cells = noisy_waves(120, 40, 0);
+  for (std::int64_t x = 20; x < 100; ++x) {
+    cells(x, 0) = 720;
+    for (std::int64_t y = 1; y < 30; ++y) cells(x, y) = void_value;
+  }
+  cells(45, 0) = 780;
+  const HeldRaster raster(std::move(cells));
+  const GeoReference geo = degrees(1.0 / 1200);
+  const MeshPlacement placement{"", true};
+  for (const double bound : {1.0, 5.0}) {
+    const Tin tin = mesh_for(raster, geo, placement, bound);
+    const PlacedMesh mesh(tin.mesh, geo, raster.size(), placement);
+    NoProgress silent;
+    MeshCheckOptions options;
+    options.max_error_m = bound;
+    EXPECT_THAT(faults_of(check_mesh(mesh, mesh.frame(), raster, geo, options, silent), options), IsEmpty()) << bound;
+  }
+}
+
 TEST(MakeTin, AnyRasterKeepsAnyBoundInAnyPlane) {
   const MeshPlacement placements[] = {{"", true}, {crs_wkt("EPSG:3857"), false}, {crs_wkt("EPSG:4978"), false}};
   int meshed = 0;
