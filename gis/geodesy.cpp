@@ -1,6 +1,7 @@
 #include "gis/geodesy.h"
 
 #include <cmath>
+#include <optional>
 
 #include <GeographicLib/Geodesic.hpp>
 #include <ogr_spatialref.h>
@@ -8,28 +9,47 @@
 #include "gis/gdal_errors.h"
 
 namespace arete {
+namespace {
+
+/// How places of a CRS are measured.
+struct Ground {
+  double metres = 1;   // per unit of x and y, where there is no ellipsoid
+  double degrees = 1;  // per unit, on the ellipsoid
+  std::optional<GeographicLib::Geodesic> ellipsoid;
+
+  double distance(double x, double y, double to_x, double to_y) const {
+    if (!ellipsoid) return std::hypot(to_x - x, to_y - y) * metres;
+    double length = 0;
+    ellipsoid->Inverse(y * degrees, x * degrees, to_y * degrees, to_x * degrees, length);
+    return length;
+  }
+};
+
+Ground ground_of(const GeoReference& geo) {
+  const GdalErrors quiet;
+  OGRSpatialReference crs;
+  if (!geo.transform || geo.crs_wkt.empty() || crs.importFromWkt(geo.crs_wkt.c_str()) != OGRERR_NONE) return {};
+  if (crs.IsGeographic()) {
+    const double inverse_flattening = crs.GetInvFlattening();
+    return {1, crs.GetAngularUnits(nullptr) * 180 / M_PI, GeographicLib::Geodesic(crs.GetSemiMajor(), inverse_flattening == 0 ? 0 : 1 / inverse_flattening)};
+  }
+  return {crs.IsProjected() ? crs.GetLinearUnits() : 1, 1, std::nullopt};
+}
+
+}  // namespace
 
 CellSize cell_size(const GeoReference& geo, Size size) {
   if (!geo.transform) return {1, 1};
-  const GdalErrors quiet;
   const auto& t = *geo.transform;
-  OGRSpatialReference crs;
-  const bool known = !geo.crs_wkt.empty() && crs.importFromWkt(geo.crs_wkt.c_str()) == OGRERR_NONE;
-  if (known && crs.IsGeographic()) {
-    const double degrees = crs.GetAngularUnits(nullptr) * 180 / M_PI;
-    const double column = static_cast<double>(size.width) / 2, row = static_cast<double>(size.height) / 2;
-    const double lon = (t[0] + column * t[1] + row * t[2]) * degrees, lat = (t[3] + column * t[4] + row * t[5]) * degrees;
-    const double inverse_flattening = crs.GetInvFlattening();
-    const GeographicLib::Geodesic ellipsoid(crs.GetSemiMajor(), inverse_flattening == 0 ? 0 : 1 / inverse_flattening);
-    const auto length = [&](double dx, double dy) {
-      double metres = 0;
-      ellipsoid.Inverse(lat - dy / 2, lon - dx / 2, lat + dy / 2, lon + dx / 2, metres);
-      return metres;
-    };
-    return {length(t[1] * degrees, t[4] * degrees), length(t[2] * degrees, t[5] * degrees)};
-  }
-  const double unit = known && crs.IsProjected() ? crs.GetLinearUnits() : 1;
-  return {std::hypot(t[1], t[4]) * unit, std::hypot(t[2], t[5]) * unit};
+  const double column = static_cast<double>(size.width) / 2, row = static_cast<double>(size.height) / 2;
+  const double x = t[0] + column * t[1] + row * t[2], y = t[3] + column * t[4] + row * t[5];
+  const Ground ground = ground_of(geo);
+  const auto length = [&](double dx, double dy) { return ground.distance(x - dx / 2, y - dy / 2, x + dx / 2, y + dy / 2); };
+  return {length(t[1], t[4]), length(t[2], t[5])};
+}
+
+double ground_distance(const GeoReference& geo, const std::array<double, 2>& from, const std::array<double, 2>& to) {
+  return ground_of(geo).distance(from[0], from[1], to[0], to[1]);
 }
 
 }  // namespace arete

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "gis/colour_ramp.h"
 #include "gis/dem_file.h"
@@ -10,13 +11,15 @@
 #include "gis/relief.h"
 #include "tools/command.h"
 #include "tools/mesh_input.h"
+#include "tools/preview_profile.h"
 #include "tools/verbs.h"
 
 namespace arete::tools {
 namespace {
 
 struct PreviewArguments {
-  std::string input, output, ramp = "land", azimuth = "multi";
+  std::string input, output, view = "top", ramp = "land", azimuth = "multi";
+  std::vector<double> line;
   std::int64_t width = 0;
   double exaggeration = 0;
   bool no_legend = false, no_wireframe = false, terrain_rgb = false;
@@ -54,6 +57,12 @@ Relief draw_mesh_file(const PreviewArguments& arguments, const ReliefOptions& re
 }
 
 void run_preview(const PreviewArguments& arguments, const CommonOptions& common) {
+  if (!arguments.line.empty() && arguments.view != "profile") throw Error(ErrorKind::usage, "--line is of --view profile");
+  if (arguments.view == "profile") {
+    if (is_mesh_file(arguments.input)) throw Error(ErrorKind::usage, "profiles are drawn of DEMs and trees, not of meshes: '" + arguments.input + "'");
+    return run_preview_profile({arguments.input, arguments.output, arguments.ramp, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, arguments.line,
+                                arguments.width, arguments.exaggeration}, common);
+  }
   ReliefOptions options;
   options.ramp = arguments.ramp;
   options.width = arguments.width;
@@ -88,15 +97,19 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
 void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<PreviewArguments>();
   CLI::App* verb = add_verb(app, "preview", "Draw a DEM or a mesh as a shaded relief map with legend and scale bar",
-                            "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png",
+                            "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png\narete preview dem.tif profile.png --view profile --line 782000,186000,785000,189000",
                             common, [arguments, common] { run_preview(*arguments, *common); });
   verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens; or a mesh (.ply...)")->required();
   verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr")->required();
+  verb->add_option("--view", arguments->view, "What is drawn: 'top', the map (default), or 'profile', the elevations under a line")->check(CLI::IsMember({"top", "profile"}));
+  verb->add_option("--line", arguments->line, "Where the profile runs, X1,Y1,X2,Y2 in the CRS of the DEM (default: through the middle, from left to right)")
+      ->delimiter(',')
+      ->expected(4);
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
   verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048)")
       ->check(CLI::Range(16, 20000));
   verb->add_option("--exaggeration", arguments->exaggeration,
-                   "Heights for the light are multiplied by this (default: by the steepness of the terrain)")
+                   "Heights for the light, and of a profile, are multiplied by this (default: by the steepness of the terrain; what fills the drawing)")
       ->check(above_zero());
   verb->add_option("--azimuth", arguments->azimuth, "Light: 'multi' for four about the north-west (default), or one from so many degrees");
   verb->add_flag("--no-legend", arguments->no_legend, "The map alone");

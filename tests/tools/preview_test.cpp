@@ -96,5 +96,19 @@ TEST_F(PreviewVerb, DrawsEveryAwkwardFile) {
   EXPECT_GE(drawn, 9);
 }
 
+TEST_F(PreviewVerb, DrawsAProfile) {
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("a.png") + " --view profile --width 800 --json"), 0) << text("err");
+  const auto data = nlohmann::json::parse(text("out"));
+  EXPECT_EQ(data["length_m"], 1000);
+  EXPECT_EQ(data["width"], 800);
+  EXPECT_EQ(read_picture(path("a.png")).height(), 320);
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("b.png") + " --view profile --width 800 --line 0,375,1000,375"), 0) << text("err");
+  EXPECT_EQ(text("a.png"), text("b.png"));
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("c.png") + " --view profile --line -50,-50,-10,-10"), 3) << text("err");
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("c.png") + " --line 0,0,10,10"), 2);
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("c.png") + " --view profile --line 0,0,10"), 2);
+  EXPECT_FALSE(fs::exists(path("c.png")));
+}
+
 }  // namespace
 }  // namespace arete
