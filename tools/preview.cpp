@@ -11,6 +11,7 @@
 #include "gis/relief.h"
 #include "tools/command.h"
 #include "tools/mesh_input.h"
+#include "tools/preview_perspective.h"
 #include "tools/preview_profile.h"
 #include "tools/verbs.h"
 
@@ -24,6 +25,7 @@ struct PreviewArguments {
   double exaggeration = 0;
   bool no_legend = false, no_wireframe = false, terrain_rgb = false;
   int band = 1;
+  PerspectiveArguments perspective;
 };
 
 std::optional<double> parse_azimuth(const std::string& text) {
@@ -38,6 +40,20 @@ std::optional<double> parse_azimuth(const std::string& text) {
   if (read != text.size() || text.empty() || !(degrees >= 0 && degrees <= 360))
     throw Error(ErrorKind::usage, "--azimuth takes 'multi' or degrees from 0 to 360, not '" + text + "'");
   return degrees;
+}
+
+/// The options that both views share, as this one takes them.
+PerspectiveArguments perspective_of(const PreviewArguments& arguments) {
+  if (is_mesh_file(arguments.input)) throw Error(ErrorKind::usage, "--view perspective is of DEMs and trees (.sct), '" + arguments.input + "' is a mesh");
+  PerspectiveArguments perspective = arguments.perspective;
+  perspective.input = arguments.input;
+  perspective.output = arguments.output;
+  perspective.ramp = arguments.ramp;
+  perspective.exaggeration = arguments.exaggeration;
+  perspective.sun_azimuth_deg = parse_azimuth(arguments.azimuth).value_or(315);
+  perspective.legend = !arguments.no_legend;
+  perspective.dem = {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb};
+  return perspective;
 }
 
 Relief draw_dem(const PreviewArguments& arguments, ReliefOptions options, Progress& progress) {
@@ -74,6 +90,8 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
   if (options.legend && find_font().empty())
     warn(common, "no font found, the legend is left out: install fonts-dejavu-core or set ARETE_FONT");
 
+  if (arguments.view == "perspective") return draw_perspective(perspective_of(arguments), common);
+
   const auto progress = make_progress(common);
   const Relief relief = is_mesh_file(arguments.input) ? draw_mesh_file(arguments, options, common, *progress) : draw_dem(arguments, options, *progress);
   write_picture(arguments.output, relief.picture, common.overwrite);
@@ -97,14 +115,17 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
 void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<PreviewArguments>();
   CLI::App* verb = add_verb(app, "preview", "Draw a DEM or a mesh as a shaded relief map with legend and scale bar",
-                            "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png\narete preview dem.tif profile.png --view profile --line 782000,186000,785000,189000",
+                            "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png\narete preview dem.tif view.png --view perspective --look-from 200\n"
+                            "arete preview dem.tif profile.png --view profile --line 782000,186000,785000,189000",
                             common, [arguments, common] { run_preview(*arguments, *common); });
-  verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens; or a mesh (.ply...)")->required();
+  verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens; a tree (.sct); or a mesh (.ply...)")->required();
   verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr")->required();
-  verb->add_option("--view", arguments->view, "What is drawn: 'top', the map (default), or 'profile', the elevations under a line")->check(CLI::IsMember({"top", "profile"}));
+  verb->add_option("--view", arguments->view, "What is drawn: 'top', the map (default); 'perspective', the terrain as a camera sees it; or 'profile', the elevations under a line")
+      ->check(CLI::IsMember({"top", "perspective", "profile"}));
   verb->add_option("--line", arguments->line, "Where the profile runs, X1,Y1,X2,Y2 in the CRS of the DEM (default: through the middle, from left to right)")
       ->delimiter(',')
       ->expected(4);
+  add_perspective_options(verb, arguments->perspective);
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
   verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048)")
       ->check(CLI::Range(16, 20000));

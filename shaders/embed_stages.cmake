@@ -1,0 +1,13 @@
+# cmake -DSTAGES=a.vert;b.frag -DOUT=stages.cpp -P embed_stages.cmake: the text of each file as bytes, by its name.
+set(text "#include \"shaders/gl_program.h\"\n\nnamespace arete {\nnamespace {\n\n")
+set(cases "")
+foreach(path ${STAGES})
+  get_filename_component(name ${path} NAME)
+  string(REPLACE "." "_" symbol ${name})
+  file(READ ${path} bytes HEX)
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "0x\\1," bytes "${bytes}")
+  string(APPEND text "const char ${symbol}[] = {${bytes}0};\n")
+  string(APPEND cases "  if (name == \"${name}\") return ${symbol};\n")
+endforeach()
+string(APPEND text "\n}  // namespace\n\nconst char* stage_text(const std::string& name) {\n${cases}  return nullptr;\n}\n\n}  // namespace arete\n")
+file(WRITE ${OUT} "${text}")

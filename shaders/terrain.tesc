@@ -1,0 +1,16 @@
+#version 450 core
+layout(vertices = 1) out;
+
+in ivec4 patch_node[];
+in ivec4 patch_outer[];
+in ivec4 patch_inside[];
+patch out ivec4 node;
+patch out int side;
+
+void main() {
+  node = patch_node[0];
+  side = patch_inside[0].z;
+  for (int i = 0; i < 4; ++i) gl_TessLevelOuter[i] = float(patch_outer[0][i]);
+  gl_TessLevelInner[0] = float(patch_inside[0].x);
+  gl_TessLevelInner[1] = float(patch_inside[0].y);
+}

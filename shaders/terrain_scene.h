@@ -1,0 +1,51 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/support/progress.h"
+#include "core/terrain/overview.h"
+#include "core/terrain/raster_io.h"
+#include "core/terrain/sky_light.h"
+#include "shaders/sample_pyramid.h"
+#include "shaders/terrain_quadtree.h"
+
+namespace arete {
+
+struct SceneOptions {
+  double exaggeration = 0;                         ///< of heights; 0: 1 for mountains, up to 6 for gentle terrain
+  std::vector<std::array<std::uint8_t, 3>> ramp;   ///< sRGB colours from the lowest to the highest land; empty: grey
+  double sun_azimuth_deg = 315, sun_elevation_deg = 40;
+  double haze = 0.25;                              ///< share of the far side's light that is haze, in [0, 1)
+  bool walls = true;                               ///< the terrain is a block that stands on its walls
+  SelectionOptions detail;
+  int supersampling = 1;                           ///< 1 to 4: pixels aside that are averaged to one, besides 4 samples per pixel
+  std::int64_t memory_bytes = std::int64_t{512} << 20;  ///< of samples kept and tiles on the GPU
+  int threads = 0;
+};
+
+/// What the scene found in the terrain.
+struct SceneFacts {
+  double low_m = 0, high_m = 0;            ///< lowest and highest valid sample
+  double ramp_low_m = 0, ramp_high_m = 0;  ///< ends of the colours: 0.1 and 99.9 % of the land
+  double exaggeration = 1;
+  bool has_voids = false, has_water = false;
+};
+
+/// All that drawing needs and that does not depend on the camera.
+struct TerrainScene {
+  Overview overview;  ///< without voids
+  std::unique_ptr<SamplePyramid> pyramid;
+  TerrainQuadtree tree;
+  TerrainPlacement placement;
+  SkyLight light;  ///< of the overview
+  SceneFacts facts;
+};
+
+/// Reads the source by windows: once for the overview, once for the pyramid, and once more where not all samples stay in memory. The source
+/// must outlive the scene. Throws Error{input} where the raster is less than 2 x 2 cells or no cell is valid.
+std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize cell, const SceneOptions& options, Progress& progress);
+
+}  // namespace arete

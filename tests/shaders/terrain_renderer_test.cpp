@@ -1,0 +1,207 @@
+#include "shaders/terrain_renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+#include <vector>
+
+#include "core/support/error.h"
+#include "tests/shaders/gl_fixture.h"
+
+namespace arete {
+namespace {
+
+using TerrainRendererTest = GlFixture;
+
+/// Sides of ground triangles that an odd number of triangles have, and that are not on the border of the terrain: at a crack the
+/// sides of one patch are not those of its neighbour.
+std::int64_t count_open_sides(TerrainRenderer& renderer, std::vector<TerrainPatch> patches, Size size) {
+  std::erase_if(patches, [](const TerrainPatch& patch) { return patch.side != 0; });
+  const auto vertices = renderer.evaluate(patches);
+  using Corner = std::array<float, 3>;
+  std::map<std::pair<Corner, Corner>, int> sides;
+  for (std::size_t i = 0; i + 2 < vertices.size(); i += 3)
+    for (std::size_t k = 0; k < 3; ++k) {
+      Corner a = vertices[i + k], b = vertices[i + (k + 1) % 3];
+      if (a == b) continue;
+      if (b < a) std::swap(a, b);
+      ++sides[{a, b}];
+    }
+  const auto right = static_cast<float>(size.width - 1), bottom = static_cast<float>(size.height - 1);
+  return std::count_if(sides.begin(), sides.end(), [&](const auto& side) {
+    const auto& [a, b] = side.first;
+    const bool border = (a[0] == b[0] && (a[0] == 0 || a[0] == right)) || (a[1] == b[1] && (a[1] == 0 || a[1] == bottom));
+    return side.second % 2 == 1 && !border;
+  });
+}
+
+/// Levels per patch, without regard to the neighbours.
+std::vector<TerrainPatch> crack(std::vector<TerrainPatch> patches) {
+  for (TerrainPatch& patch : patches) {
+    const int level = patch.side == 0 && (patch.x / node_cells + patch.y / node_cells) % 2 == 0 ? 4 : 64;
+    patch.outer = {level, level, level, level};
+    patch.inner = {level, level};
+  }
+  return patches;
+}
+
+/// Background pixels from which no way over background leads out of the picture.
+std::int64_t count_holes(const Frame& frame) {
+  const std::int64_t w = frame.size.width, h = frame.size.height;
+  std::vector<char> seen(static_cast<std::size_t>(w * h));
+  std::vector<std::int64_t> waiting;
+  const auto visit = [&](std::int64_t x, std::int64_t y) {
+    if (x < 0 || y < 0 || x >= w || y >= h) return;
+    const auto i = static_cast<std::size_t>(y * w + x);
+    if (seen[i] || frame.rgba[4 * i] != 0) return;
+    seen[i] = 1;
+    waiting.push_back(y * w + x);
+  };
+  for (std::int64_t x = 0; x < w; ++x) visit(x, 0);
+  // Sky reaches the sides above the terrain only; what lies below is the foot of the walls.
+  for (std::int64_t y = 0; y < h; ++y) visit(0, y), visit(w - 1, y);
+  for (std::int64_t x = 0; x < w; ++x) visit(x, h - 1);
+  while (!waiting.empty()) {
+    const std::int64_t x = waiting.back() % w, y = waiting.back() / w;
+    waiting.pop_back();
+    visit(x - 1, y), visit(x + 1, y), visit(x, y - 1), visit(x, y + 1);
+  }
+  std::int64_t holes = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) holes += !seen[i] && frame.rgba[4 * i] == 0;
+  return holes;
+}
+
+TEST_F(TerrainRendererTest, EveryVertexIsASampleOfTheDem) {
+  const Raster<float> cells = synthesize_mountains({333, 270}, {.seed = 3});
+  const ViewSource source(cells.view());
+  const auto renderer = render(source, {});
+  for (const double share : {0.0, 0.3, 2.0}) {
+    const Camera camera = frame_box(renderer->box(), 200, 35, 30, 1.5, share * 10000);
+    const auto vertices = renderer->evaluate(renderer->select(camera, {600, 400}));
+    ASSERT_GT(vertices.size(), 1000u);
+    for (const auto& v : vertices) {
+      const auto x = static_cast<std::int64_t>(v[0]), y = static_cast<std::int64_t>(v[1]);
+      ASSERT_TRUE(x >= 0 && y >= 0 && x < 333 && y < 270 && static_cast<float>(x) == v[0] && static_cast<float>(y) == v[1]);
+      ASSERT_EQ(v[2], cells(x, y)) << x << ", " << y;
+    }
+  }
+}
+
+TEST_F(TerrainRendererTest, TheTessellatorMakesAsManyTrianglesAsCounted) {
+  const Raster<float> cells = synthesize_mountains({300, 300}, {.seed = 4});
+  const ViewSource source(cells.view());
+  const auto renderer = render(source, {});
+  for (const std::array<int, 6> levels : {std::array{1, 1, 1, 1, 1, 1}, {64, 64, 64, 64, 64, 64}, {2, 1, 1, 1, 1, 1}, {4, 8, 16, 2, 8, 8}, {1, 4, 1, 4, 4, 1}, {32, 32, 64, 32, 1, 1}}) {
+    const TerrainPatch patch{64, 64, 0, {levels[0], levels[1], levels[2], levels[3]}, {levels[4], levels[5]}, 0};
+    const auto vertices = renderer->evaluate({patch});
+    // Every triangle was written: none is left of zeros at the end.
+    ASSERT_EQ(vertices.size(), static_cast<std::size_t>(3 * count_triangles(patch)));
+    EXPECT_TRUE(vertices.back()[0] >= 64 && vertices.back()[1] >= 64);
+    double area = 0;
+    for (std::size_t i = 0; i < vertices.size(); i += 3)
+      area += std::abs((vertices[i + 1][0] - vertices[i][0]) * (vertices[i + 2][1] - vertices[i][1]) - (vertices[i + 2][0] - vertices[i][0]) * (vertices[i + 1][1] - vertices[i][1])) / 2;
+    EXPECT_DOUBLE_EQ(area, 64 * 64);
+  }
+}
+
+TEST_F(TerrainRendererTest, PatchesMeetWithoutCracks) {
+  const Size size{700, 531};
+  const Raster<float> cells = synthesize_mountains(size, {.seed = 5});
+  const ViewSource source(cells.view());
+  const auto renderer = render(source, {});
+  std::set<std::int32_t> levels;
+  for (const double distance : {1500.0, 6000.0, 20000.0, 90000.0}) {
+    // A field of view that sees all of the ground, so that every edge has its neighbour.
+    const Camera camera = orbit_camera({10000, -8000, 1000}, 230, 80, distance, 170);
+    const auto patches = renderer->select(camera, {1000, 1000});
+    for (const TerrainPatch& patch : patches) levels.insert(patch.level);
+    EXPECT_EQ(count_open_sides(*renderer, patches, size), 0) << distance;
+    EXPECT_GT(count_open_sides(*renderer, crack(patches), size), 50) << distance;
+  }
+  EXPECT_GE(levels.size(), 3u);
+}
+
+TEST_F(TerrainRendererTest, NoPixelShowsThroughFromFiftyCameras) {
+  const Raster<float> cells = synthesize_mountains({520, 410}, {.seed = 6});
+  const ViewSource source(cells.view());
+  const auto renderer = render(source, {});
+  const Size picture{480, 360};
+  std::int64_t cracked = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Camera from = camera(*renderer, i);
+    const auto patches = renderer->select(from, picture);
+    EXPECT_EQ(count_holes(renderer->draw(patches, from, picture, DrawMode::coverage)), 0) << "camera " << i;
+    cracked += count_holes(renderer->draw(crack(patches), from, picture, DrawMode::coverage)) > 0;
+  }
+  EXPECT_GE(cracked, 40);  // the detector sees what it is to see
+}
+
+TEST_F(TerrainRendererTest, TheSameBytesWhateverWasDrawnBefore) {
+  const Raster<float> cells = synthesize_mountains({600, 600}, {.seed = 7});
+  const ViewSource source(cells.view());
+  SceneOptions options;
+  options.threads = 1;
+  const auto one = render(source, options);
+  options.threads = 3;
+  options.memory_bytes = 2 << 20;  // few tiles at a time, and few levels in memory
+  const auto small = render(source, options);
+  const Size picture{320, 200};
+  const Frame first = one->draw(camera(*one, 3), picture);
+  for (int i = 0; i < 5; ++i) one->draw(camera(*one, i), picture);
+  EXPECT_EQ(one->draw(camera(*one, 3), picture).rgba, first.rgba);
+  small->draw(camera(*one, 8), picture);
+  EXPECT_EQ(small->draw(camera(*one, 3), picture).rgba, first.rgba);
+}
+
+TEST_F(TerrainRendererTest, APictureInPartsIsTheSamePicture) {
+  const Raster<float> cells = synthesize_mountains({400, 400}, {.seed = 8});
+  const ViewSource source(cells.view());
+  const auto renderer = render(source, {});
+  const Size picture{1300, 40};
+  const Camera from = frame_box(renderer->box(), 180, 60, 1, 32.5, 400000);
+  const auto patches = renderer->select(from, picture);
+  const Frame frame = renderer->draw(patches, from, picture, DrawMode::coverage);
+  // The part beyond 1024 pixels goes on where the first one ends.
+  std::int64_t jumps = 0;
+  for (std::int64_t y = 0; y < 40; ++y) jumps += frame.rgba[static_cast<std::size_t>(4 * (y * 1300 + 1023))] != frame.rgba[static_cast<std::size_t>(4 * (y * 1300 + 1024))];
+  EXPECT_LE(jumps, 2);
+  EXPECT_EQ(frame.rgba[static_cast<std::size_t>(4 * (20 * 1300 + 1024))], 255);
+}
+
+TEST_F(TerrainRendererTest, VoidsAreHolesWithoutSpikes) {
+  Raster<float> cells = synthesize_mountains({260, 260}, {.seed = 9});
+  float low = cells(0, 0), high = low;
+  for (std::int64_t i = 0; i < cells.size().cells(); ++i) low = std::min(low, cells.data()[i]), high = std::max(high, cells.data()[i]);
+  for (std::int64_t y = 80; y < 180; ++y)
+    for (std::int64_t x = 80; x < 180; ++x) cells(x, y) = void_value;
+  const ViewSource source(cells.view());
+  SceneOptions options;
+  options.exaggeration = 0.001;
+  const auto renderer = render(source, options);
+  EXPECT_TRUE(renderer->facts().has_voids);
+  const Camera above = frame_box(renderer->box(), 180, 90, 20, 1);
+  const auto patches = renderer->select(above, {500, 500});
+  for (const auto& v : renderer->evaluate(patches)) ASSERT_TRUE(v[2] >= low && v[2] <= high);
+  const Frame frame = renderer->draw(patches, above, {500, 500}, DrawMode::coverage);
+  std::int64_t covered = 0;
+  for (std::size_t i = 0; i < frame.rgba.size(); i += 4) covered += frame.rgba[i] != 0;
+  const double all = std::pow(0.96 * 500, 2);
+  // Half a cell of each side of the hole is drawn: 100 + 1 - 2/2 cells aside are missing of 259.
+  EXPECT_NEAR(static_cast<double>(covered) / all, 1 - 100.0 * 100 / (259.0 * 259), 0.01);
+}
+
+TEST_F(TerrainRendererTest, RefusesWhatItCannotDraw) {
+  const Raster<float> line(5, 1, 3.0f), empty(8, 8, void_value);
+  const ViewSource thin(line.view()), nothing(empty.view());
+  EXPECT_THROW(render(thin, {}), Error);
+  EXPECT_THROW(render(nothing, {}), Error);
+  const Raster<float> cells(8, 8, 3.0f);
+  const ViewSource flat(cells.view());
+  const auto renderer = render(flat, {});
+  EXPECT_THROW(renderer->draw(Camera{}, {16385, 10}), Error);
+  EXPECT_EQ(renderer->draw(frame_box(renderer->box(), 10, 20, 30, 1), {64, 64}).rgba.size(), 64u * 64 * 4);
+}
+
+}  // namespace
+}  // namespace arete

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "gis/dem_file.h"
+#include "tools/command.h"
+
+namespace arete::tools {
+
+/// What `preview --view perspective` takes besides the options of every picture.
+struct PerspectiveArguments {
+  std::string input, output, ramp = "land";
+  double exaggeration = 0;
+  double sun_azimuth_deg = 315;
+  bool legend = true;
+  DemReadOptions dem;
+  double look_from_deg = 200, pitch_deg = 35, distance_m = 0, field_of_view_deg = 30;
+  std::string size = "1920x1080";
+  std::string mode = "lit";
+  double max_error_px = 2;
+};
+
+/// Adds the options of this view to the verb.
+void add_perspective_options(CLI::App* verb, PerspectiveArguments& arguments);
+
+/// Draws the picture and prints the result. Throws as DemReader, TerrainRenderer and write_picture do.
+void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common);
+
+}  // namespace arete::tools
