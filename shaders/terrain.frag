@@ -22,7 +22,7 @@ layout(location = 0) out vec4 colour;
 
 vec4 tile_at(vec2 at) { return texture(tiles, vec3((at + 1.5) / 67.0, float(tile.y))); }
 
-const vec3 sun_light = vec3(1.12, 1.05, 0.93), sky_light = vec3(0.30, 0.345, 0.43), bounce = vec3(0.06, 0.052, 0.042);
+const vec3 sun_light = vec3(1.25, 1.16, 1.01), sky_light = vec3(0.225, 0.265, 0.345), bounce = vec3(0.05, 0.043, 0.034);
 
 vec3 lit(vec3 albedo, vec3 normal, vec2 seen) {
   float direct = max(dot(normal, to_sun), 0.0) * seen.y;
@@ -52,7 +52,7 @@ void main() {
   vec3 shade;
   if (tile.z > 0) {
     vec3 face = tile.z == 1 ? vec3(-1, 0, 0) : tile.z == 2 ? vec3(0, 1, 0) : tile.z == 3 ? vec3(1, 0, 0) : vec3(0, -1, 0);
-    shade = lit(vec3(0.40, 0.37, 0.345) * mix(1.0, 0.8, depth_below), face, vec2(1.0)) * 1.25;
+    shade = lit(vec3(0.66, 0.60, 0.54) * mix(1.0, 0.82, depth_below), face, vec2(1.0)) * 1.3;
   } else if (mode == 1) {
     vec3 hue = 0.5 + 0.5 * cos(6.2832 * (float(tile.x) * 0.381966 + vec3(0.0, 0.33, 0.67)));
     shade = lit(mix(vec3(0.75), hue, 0.6), normal, seen);

@@ -1,5 +1,5 @@
 #version 450 core
-layout(vertices = 1) out;
+layout(vertices = 4) out;
 
 in ivec4 patch_node[];
 in ivec4 patch_outer[];
@@ -8,6 +8,7 @@ patch out ivec4 node;
 patch out int side;
 
 void main() {
+  if (gl_InvocationID != 0) return;
   node = patch_node[0];
   side = patch_inside[0].z;
   for (int i = 0; i < 4; ++i) gl_TessLevelOuter[i] = float(patch_outer[0][i]);

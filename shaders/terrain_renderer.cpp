@@ -17,6 +17,8 @@ namespace arete {
 namespace {
 
 constexpr std::int64_t largest_picture = 16384;
+// All alike.
+constexpr GLsizei patch_vertices = 4;
 
 using Colour3 = std::array<float, 3>;
 
@@ -96,6 +98,12 @@ void develop(const std::vector<float>& pixels, std::int64_t rows, int supersampl
       out[3] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(sum[3] * share, 0.0, 1.0)));
     }
   });
+}
+
+/// A few at a time: Mesa 22.3 in software takes the levels and values of one patch for another in longer calls, and of one vertex.
+void draw_patches(GLsizei count) {
+  constexpr GLsizei at_once = 8;
+  for (GLsizei i = 0; i < count; i += at_once) glDrawArrays(GL_PATCHES, i * patch_vertices, std::min(at_once, count - i) * patch_vertices);
 }
 
 void set(GLuint program, const char* name, const Colour3& v) { glProgramUniform3f(program, glGetUniformLocation(program, name), v[0], v[1], v[2]); }
@@ -231,7 +239,7 @@ struct TerrainRenderer::Impl {
   void in_batches(std::span<const TerrainPatch> patches, const Draw& draw) {
     std::vector<std::int32_t> layers;
     std::vector<PatchVertex> vertices;
-    glPatchParameteri(GL_PATCH_VERTICES, 1);
+    glPatchParameteri(GL_PATCH_VERTICES, patch_vertices);
     glBindTextureUnit(0, tiles->texture());
     glBindTextureUnit(1, light);
     glBindTextureUnit(2, ramp);
@@ -240,7 +248,7 @@ struct TerrainRenderer::Impl {
       vertices.clear();
       for (std::size_t i = 0; i < count; ++i) {
         const TerrainPatch& p = patches[i];
-        vertices.push_back({p.x, p.y, p.level, layers[i], {p.outer[0], p.outer[1], p.outer[2], p.outer[3]}, {p.inner[0], p.inner[1]}, p.side, 0});
+        vertices.insert(vertices.end(), patch_vertices, {p.x, p.y, p.level, layers[i], {p.outer[0], p.outer[1], p.outer[2], p.outer[3]}, {p.inner[0], p.inner[1]}, p.side, 0});
       }
       glNamedBufferData(patch_buffer, static_cast<GLsizeiptr>(vertices.size() * sizeof(PatchVertex)), vertices.data(), GL_STREAM_DRAW);
       glBindVertexArray(arrays[0]);
@@ -271,15 +279,15 @@ struct TerrainRenderer::Impl {
     glUseProgram(terrain);
     in_batches(seen, [&](std::span<const TerrainPatch> batch) {
       const auto count = static_cast<GLsizei>(batch.size());
-      if (mode != DrawMode::wireframe) return glDrawArrays(GL_PATCHES, 0, count);
+      if (mode != DrawMode::wireframe) return draw_patches(count);
       // The faces a little behind their sides.
       glEnable(GL_POLYGON_OFFSET_FILL);
       glPolygonOffset(-1, -1);
-      glDrawArrays(GL_PATCHES, 0, count);
+      draw_patches(count);
       glDisable(GL_POLYGON_OFFSET_FILL);
       glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
       set_int(terrain, "mode", 3);
-      glDrawArrays(GL_PATCHES, 0, count);
+      draw_patches(count);
       set_int(terrain, "mode", 0);
       glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
     });
@@ -338,6 +346,9 @@ std::vector<std::array<float, 3>> TerrainRenderer::evaluate(const std::vector<Te
   std::vector<std::array<float, 3>> vertices;
   GLuint buffer = 0;
   glCreateBuffers(1, &buffer);
+  // Nothing is drawn, but there must be something to draw to.
+  const Canvas canvas(16, 16, 0);
+  canvas.begin(16, 16);
   glUseProgram(impl_->capture);
   glEnable(GL_RASTERIZER_DISCARD);
   impl_->in_batches(patches, [&](std::span<const TerrainPatch> batch) {
@@ -346,7 +357,7 @@ std::vector<std::array<float, 3>> TerrainRenderer::evaluate(const std::vector<Te
     glNamedBufferData(buffer, static_cast<GLsizeiptr>(count * sizeof vertices[0]), nullptr, GL_STREAM_READ);
     glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer);
     glBeginTransformFeedback(GL_TRIANGLES);
-    glDrawArrays(GL_PATCHES, 0, static_cast<GLsizei>(batch.size()));
+    draw_patches(static_cast<GLsizei>(batch.size()));
     glEndTransformFeedback();
     const std::size_t from = vertices.size();
     vertices.resize(from + count);

@@ -18,7 +18,7 @@ struct SceneOptions {
   double exaggeration = 0;                         ///< of heights; 0: 1 for mountains, up to 6 for gentle terrain
   std::vector<std::array<std::uint8_t, 3>> ramp;   ///< sRGB colours from the lowest to the highest land; empty: grey
   double sun_azimuth_deg = 315, sun_elevation_deg = 40;
-  double haze = 0.25;                              ///< share of the far side's light that is haze, in [0, 1)
+  double haze = 0.15;                              ///< share of the far side's light that is haze, in [0, 1)
   bool walls = true;                               ///< the terrain is a block that stands on its walls
   SelectionOptions detail;
   int supersampling = 1;                           ///< 1 to 4: pixels aside that are averaged to one, besides 4 samples per pixel

@@ -64,9 +64,8 @@ void draw_north(Picture& picture, const Camera& camera) {
     return {centre.x + dot(p, axes.right), centre.y - dot(p, axes.up)};
   };
   const Colour dark{45, 45, 48, 255}, pale{252, 252, 250, 255};
-  fill_polygon(picture, {place(0, 1.08), place(141, 0.84), place(180, 0.47), place(219, 0.84)}, {255, 255, 255, 110});
-  fill_polygon(picture, {place(0, 1), place(140, 0.72), place(180, 0.4)}, dark);
-  fill_polygon(picture, {place(0, 1), place(180, 0.4), place(220, 0.72)}, pale);
+  fill_polygon(picture, {place(0, 1), place(145, 0.8), place(180, 0.4), place(215, 0.8)}, dark);
+  fill_polygon(picture, {place(-1.5, 0.8), place(181.5, 0.37), place(212.5, 0.68)}, pale);
   const Place letter = place(0, 1.45);
   const int size = std::max(12, static_cast<int>(radius * 0.6));
   draw_text(picture, std::llround(letter.x), std::llround(letter.y + 0.35 * size), "N", size, dark, Align::centre);

@@ -39,7 +39,7 @@ std::int64_t count_open_sides(TerrainRenderer& renderer, std::vector<TerrainPatc
 /// Levels per patch, without regard to the neighbours.
 std::vector<TerrainPatch> crack(std::vector<TerrainPatch> patches) {
   for (TerrainPatch& patch : patches) {
-    const int level = patch.side == 0 && (patch.x / node_cells + patch.y / node_cells) % 2 == 0 ? 4 : 64;
+    const int level = patch.side == 0 && (patch.x + patch.y) / (node_cells << patch.level) % 2 == 0 ? 4 : 16;
     patch.outer = {level, level, level, level};
     patch.inner = {level, level};
   }
@@ -111,22 +111,23 @@ TEST_F(TerrainRendererTest, PatchesMeetWithoutCracks) {
   const ViewSource source(cells.view());
   const auto renderer = render(source, {});
   std::set<std::int32_t> levels;
-  for (const double distance : {1500.0, 6000.0, 20000.0, 90000.0}) {
+  for (const double distance : {1500.0, 4000.0, 10000.0, 30000.0}) {
     // A field of view that sees all of the ground, so that every edge has its neighbour.
-    const Camera camera = orbit_camera({10000, -8000, 1000}, 230, 80, distance, 170);
+    const Camera camera = orbit_camera({10000, -8000, 1000}, 230, 90, distance, 170);
     const auto patches = renderer->select(camera, {1000, 1000});
     for (const TerrainPatch& patch : patches) levels.insert(patch.level);
+    ASSERT_GT(patches.size(), 4u);
     EXPECT_EQ(count_open_sides(*renderer, patches, size), 0) << distance;
     EXPECT_GT(count_open_sides(*renderer, crack(patches), size), 50) << distance;
   }
-  EXPECT_GE(levels.size(), 3u);
+  EXPECT_GE(levels.size(), 2u);
 }
 
 TEST_F(TerrainRendererTest, NoPixelShowsThroughFromFiftyCameras) {
   const Raster<float> cells = synthesize_mountains({520, 410}, {.seed = 6});
   const ViewSource source(cells.view());
   const auto renderer = render(source, {});
-  const Size picture{480, 360};
+  const Size picture{320, 240};
   std::int64_t cracked = 0;
   for (int i = 0; i < 50; ++i) {
     const Camera from = camera(*renderer, i);
@@ -154,19 +155,24 @@ TEST_F(TerrainRendererTest, TheSameBytesWhateverWasDrawnBefore) {
   EXPECT_EQ(small->draw(camera(*one, 3), picture).rgba, first.rgba);
 }
 
-TEST_F(TerrainRendererTest, APictureInPartsIsTheSamePicture) {
+TEST_F(TerrainRendererTest, APictureInPartsIsOnePicture) {
   const Raster<float> cells = synthesize_mountains({400, 400}, {.seed = 8});
   const ViewSource source(cells.view());
   const auto renderer = render(source, {});
-  const Size picture{1300, 40};
-  const Camera from = frame_box(renderer->box(), 180, 60, 1, 32.5, 400000);
-  const auto patches = renderer->select(from, picture);
-  const Frame frame = renderer->draw(patches, from, picture, DrawMode::coverage);
-  // The part beyond 1024 pixels goes on where the first one ends.
-  std::int64_t jumps = 0;
-  for (std::int64_t y = 0; y < 40; ++y) jumps += frame.rgba[static_cast<std::size_t>(4 * (y * 1300 + 1023))] != frame.rgba[static_cast<std::size_t>(4 * (y * 1300 + 1024))];
-  EXPECT_LE(jumps, 2);
-  EXPECT_EQ(frame.rgba[static_cast<std::size_t>(4 * (20 * 1300 + 1024))], 255);
+  const Size picture{1100, 300};
+  const Frame frame = renderer->draw(frame_box(renderer->box(), 180, 60, 20, 1100.0 / 300, 9000), picture);
+  const auto jump = [&](std::int64_t x) {
+    double sum = 0;
+    for (std::int64_t y = 0; y < picture.height; ++y) {
+      const auto i = static_cast<std::size_t>(4 * (y * picture.width + x));
+      sum += std::abs(frame.rgba[i] - frame.rgba[i + 4]);
+    }
+    return sum / static_cast<double>(picture.height);
+  };
+  // A part begins at 1024; elsewhere pixels beside each other differ as much.
+  const double usual = (jump(1015) + jump(1019) + jump(1028) + jump(1032)) / 4;
+  EXPECT_GT(usual, 0.5);
+  EXPECT_LT(jump(1023), 1.5 * usual);
 }
 
 TEST_F(TerrainRendererTest, VoidsAreHolesWithoutSpikes) {
