@@ -20,6 +20,8 @@ flat in ivec4 tile;
 in vec3 sample_height;
 layout(location = 0) out vec4 colour;
 
+const vec3 wall_colour = vec3(0.60, 0.56, 0.515), floor_colour = vec3(0.115, 0.112, 0.118);
+
 vec4 tile_at(vec2 at) { return texture(tiles, vec3((at + 1.5) / 67.0, float(tile.y))); }
 
 const vec3 sun_light = vec3(1.25, 1.16, 1.01), sky_light = vec3(0.225, 0.265, 0.345), bounce = vec3(0.05, 0.043, 0.034);
@@ -35,7 +37,7 @@ vec3 roll_off(vec3 c) { return mix(c, 0.7 + 0.3 * (1.0 - exp(-(c - 0.7) / 0.3)),
 
 void main() {
   vec4 here = tile_at(texel);
-  if (here.b < 0.5) discard;
+  if (tile.z == 5 ? mode == 2 || mode == 3 : here.b < 0.5) discard;
   if (mode == 2) {
     colour = vec4(1.0);
     return;
@@ -50,9 +52,11 @@ void main() {
   vec3 normal = normalize(vec3(-slope, 1.0));
   vec2 seen = texture(light, (sample_height.xy + 0.5) * light_scale).rg;
   vec3 shade;
-  if (tile.z > 0) {
+  if (tile.z == 5) {
+    shade = floor_colour;
+  } else if (tile.z > 0) {
     vec3 face = tile.z == 1 ? vec3(-1, 0, 0) : tile.z == 2 ? vec3(0, 1, 0) : tile.z == 3 ? vec3(1, 0, 0) : vec3(0, -1, 0);
-    shade = lit(vec3(0.66, 0.60, 0.54) * mix(1.0, 0.82, depth_below), face, vec2(1.0)) * 1.3;
+    shade = wall_colour * (0.52 + 0.3 * max(dot(face, to_sun), 0.0) + 0.06 * face.y) * mix(1.0, 0.85, depth_below);
   } else if (mode == 1) {
     vec3 hue = 0.5 + 0.5 * cos(6.2832 * (float(tile.x) * 0.381966 + vec3(0.0, 0.33, 0.67)));
     shade = lit(mix(vec3(0.75), hue, 0.6), normal, seen);

@@ -24,7 +24,9 @@ out vec3 sample_height;  // column, row, height, for transform feedback
 void main() {
   ivec2 at = ivec2(round(gl_TessCoord.xy * 64.0));
   depth_below = 0.0;
-  if (side > 0) {
+  if (side == 5) {
+    depth_below = 1.0;
+  } else if (side > 0) {
     int along = at.x;
     depth_below = 1.0 - gl_TessCoord.y;
     at = side == 1 ? ivec2(0, along) : side == 2 ? ivec2(along, 0) : side == 3 ? ivec2(64, along) : ivec2(along, 64);

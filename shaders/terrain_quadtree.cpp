@@ -160,6 +160,12 @@ class Selection {
     std::vector<TerrainPatch> all;
     for (const auto& [id, leaf] : leaves_)
       if (leaf.seen && node(id).any_valid) add_patches(id, leaf, all);
+    if (placement_.floor) {
+      TerrainPatch floor;
+      floor.level = static_cast<std::int32_t>(tree_.levels.size()) - 1;
+      floor.side = 5;
+      all.push_back(floor);
+    }
     std::sort(all.begin(), all.end(), [](const TerrainPatch& a, const TerrainPatch& b) {
       return std::tie(a.level, a.y, a.x, a.side) < std::tie(b.level, b.y, b.x, b.side);
     });
@@ -310,7 +316,7 @@ Box patch_box(const TerrainQuadtree& tree, const TerrainPlacement& placement, co
   const double east = static_cast<double>(std::min(patch.x + side, tree.size.width - 1)) * placement.cell.x_m;
   const double south = -static_cast<double>(std::min(patch.y + side, tree.size.height - 1)) * placement.cell.y_m;
   const double low = node.low * placement.exaggeration;
-  return {{west, south, placement.walls ? std::min(low, placement.base) : low}, {east, north, node.high * placement.exaggeration}};
+  return {{west, south, placement.walls || placement.floor ? std::min(low, placement.base) : low}, {east, north, node.high * placement.exaggeration}};
 }
 
 std::int64_t count_triangles(const TerrainPatch& patch) {

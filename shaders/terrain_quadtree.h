@@ -36,7 +36,7 @@ struct TerrainPatch {
   std::int32_t x = 0, y = 0, level = 0;         ///< first sample (of the DEM), and level
   std::array<std::int32_t, 4> outer{1, 1, 1, 1};  ///< segments of the west, north, east and south side
   std::array<std::int32_t, 2> inner{1, 1};      ///< segments inside, along columns and rows
-  std::int32_t side = 0;                        ///< 0: ground; 1 to 4: the wall under the west, north, east, south side
+  std::int32_t side = 0;                        ///< 0: ground; 1 to 4: the wall under the west, north, east, south side; 5: floor
   bool operator==(const TerrainPatch&) const = default;
 };
 
@@ -46,6 +46,7 @@ struct TerrainPlacement {
   double exaggeration = 1;
   double base = 0;     ///< height of the foot of the walls, exaggerated metres
   bool walls = true;
+  bool floor = false;  ///< at the foot of the walls, seen through voids
 };
 
 struct SelectionOptions {

@@ -80,7 +80,7 @@ std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize
   scene->tree = build_quadtree(*scene->pyramid, options.threads, progress);
   const double exaggeration = scene->facts.exaggeration, low = scene->facts.low_m * exaggeration, high = scene->facts.high_m * exaggeration;
   const double longest = std::max(static_cast<double>(size.width - 1) * cell.x_m, static_cast<double>(size.height - 1) * cell.y_m);
-  scene->placement = {cell, exaggeration, low - std::max(0.15 * (high - low), 0.015 * longest), options.walls};
+  scene->placement = {cell, exaggeration, low - std::max(0.15 * (high - low), 0.015 * longest), options.walls, options.walls && scene->facts.has_voids};
   const CellSize block{cell.x_m * static_cast<double>(scene->overview.across), cell.y_m * static_cast<double>(scene->overview.down)};
   scene->light = measure_sky_light(heights.view(), block,
                                    {.sun_azimuth_deg = options.sun_azimuth_deg, .sun_elevation_deg = options.sun_elevation_deg,

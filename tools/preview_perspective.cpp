@@ -78,6 +78,7 @@ Picture add_legend(const Picture& view, const SceneFacts& facts, const std::stri
   legend.low = facts.ramp_low_m;
   legend.high = facts.ramp_high_m;
   if (facts.has_water) legend.swatches.push_back({Picture(1, 1, {168, 199, 220, 255}), "water"});
+  if (facts.has_voids) legend.swatches.push_back({Picture(1, 1, {95, 94, 96, 255}), "no data"});
   if (facts.exaggeration != 1) legend.note = fmt::format("heights exaggerated {:g} times", facts.exaggeration);
   const Picture strip = draw_legend(legend, named_ramp(ramp), view.width());
   Picture sheet(view.width(), view.height() + strip.height());

@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cstdio>
 #include <map>
 #include <set>
 #include <vector>
 
 #include "core/support/error.h"
+#include "gis/dem_file.h"
+#include "tests/data.h"
 #include "tests/shaders/gl_fixture.h"
 
 namespace arete {
@@ -195,6 +199,28 @@ TEST_F(TerrainRendererTest, VoidsAreHolesWithoutSpikes) {
   const double all = std::pow(0.96 * 500, 2);
   // Half a cell of each side of the hole is drawn: 100 + 1 - 2/2 cells aside are missing of 259.
   EXPECT_NEAR(static_cast<double>(covered) / all, 1 - 100.0 * 100 / (259.0 * 259), 0.01);
+}
+
+TEST_F(TerrainRendererTest, LevelOfDetailTakesUnderAQuarterOfTheFullGrid) {
+  const std::string path = test_data("davos_srtm1_1arcsec.tif");
+  if (path.empty()) GTEST_SKIP() << "no development data: set ARETE_TEST_DATA";
+  const DemReader dem(path);
+  const auto renderer = render(dem, {}, dem.cell_size());
+  const Size picture{1920, 1080};
+  const Camera from = frame_box(renderer->box(), 200, 35, 30, 16.0 / 9);
+  std::vector<TerrainPatch> full;
+  for (std::int32_t y = 0; y < dem.size().height - 1; y += node_cells)
+    for (std::int32_t x = 0; x < dem.size().width - 1; x += node_cells) full.push_back({x, y, 0, {64, 64, 64, 64}, {64, 64}, 0});
+  const auto time = [&](const std::vector<TerrainPatch>& patches, Frame& frame) {
+    renderer->draw(patches, from, picture, DrawMode::lit);  // loads the tiles
+    const auto start = std::chrono::steady_clock::now();
+    frame = renderer->draw(patches, from, picture, DrawMode::lit);
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  Frame all, few;
+  const double full_s = time(full, all), s = time(renderer->select(from, picture), few);
+  std::printf("%lld of %lld triangles, %.2f of %.2f s\n", static_cast<long long>(few.triangles), static_cast<long long>(all.triangles), s, full_s);
+  EXPECT_LT(few.triangles, all.triangles / 4);
 }
 
 TEST_F(TerrainRendererTest, RefusesWhatItCannotDraw) {

@@ -1,0 +1,102 @@
+#include <cmath>
+#include <cstdlib>
+#include <set>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "gis/image.h"
+#include "tests/tools/verb_fixture.h"
+
+namespace arete {
+namespace {
+
+class PreviewPerspective : public VerbFixture {
+ protected:
+  void SetUp() override {
+    VerbFixture::SetUp();
+    setenv("LP_NATIVE_VECTOR_WIDTH", "256", 1);
+    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+    dem_ = write_mountains("dem.tif", {150, 120});
+    const Outcome outcome = draw("probe.png", "");
+    if (outcome.code == 3 && outcome.err.find("OpenGL") != std::string::npos) GTEST_SKIP() << outcome.err;
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+  }
+  Outcome draw(const std::string& picture, const std::string& options) const {
+    return run("preview " + dem_ + " " + path(picture) + " --view perspective --size 320x200 --overwrite " + options);
+  }
+  std::string dem_;
+};
+
+TEST_F(PreviewPerspective, DrawsThePictureAskedFor) {
+  const Outcome outcome = draw("a.png", "--no-legend --look-from 90 --pitch 50 --fov 40 --exaggeration 2 --json");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const auto data = nlohmann::json::parse(outcome.out);
+  EXPECT_EQ(data["exaggeration"], 2);
+  EXPECT_GT(data["triangles"], 1000);
+  EXPECT_GT(data["camera_m"][0], data["target_m"][0]);  // from the east
+  const Picture picture = read_picture(path("a.png"));
+  EXPECT_EQ(picture.width(), 320);
+  EXPECT_EQ(picture.height(), 200);
+  // Ground in the middle, haze in the corner.
+  EXPECT_GT(picture(0, 0)[2], 215);
+  EXPECT_LT(picture(160, 100)[2], 245);
+  EXPECT_NE(picture(160, 100), picture(0, 0));
+}
+
+TEST_F(PreviewPerspective, EveryStyleIsAPictureOfItsOwn) {
+  std::set<std::string> bytes;
+  for (const char* style : {"lit", "wireframe", "levels"}) {
+    ASSERT_EQ(draw("s.png", std::string("--style ") + style).code, 0) << style;
+    bytes.insert(read(path("s.png")));
+  }
+  EXPECT_EQ(bytes.size(), 3u);
+}
+
+TEST_F(PreviewPerspective, HasTheSameBytesForAnyNumberOfThreads) {
+  std::set<std::string> bytes;
+  for (const char* threads : {"0", "1", "2"}) {
+    setenv("LP_NUM_THREADS", threads, 1);
+    for (const char* own : {"1", "3"}) {
+      ASSERT_EQ(draw("t.png", std::string("--threads ") + own).code, 0);
+      bytes.insert(read(path("t.png")));
+    }
+  }
+  unsetenv("LP_NUM_THREADS");
+  EXPECT_EQ(bytes.size(), 1u);
+}
+
+TEST_F(PreviewPerspective, ATreeLooksLikeItsDem) {
+  ASSERT_EQ(run("compress " + dem_ + " " + path("tree.sct") + " --max-error 0.01").code, 0);
+  const Outcome outcome = run("preview " + path("tree.sct") + " " + path("tree.png") + " --view perspective --size 320x200 --no-legend");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  ASSERT_EQ(draw("dem.png", "--no-legend").code, 0);
+  const Picture a = read_picture(path("tree.png")), b = read_picture(path("dem.png"));
+  double sum = 0;
+  for (std::int64_t i = 0; i < 320 * 200; ++i) sum += std::abs(a.data()[i][1] - b.data()[i][1]);
+  EXPECT_LT(sum / (320 * 200), 0.5);
+}
+
+TEST_F(PreviewPerspective, RefusesInOneLineAndWritesNothing) {
+  const std::size_t before = entries();
+  for (const char* options : {"--size 10x10", "--size 320", "--size 20000x100", "--pitch 0", "--fov 0", "--style blue", "--distance -1"}) {
+    const Outcome outcome = draw("no.png", options);
+    EXPECT_EQ(outcome.code, 2) << options;
+    EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+  }
+  EXPECT_EQ(entries(), before);
+}
+
+TEST_F(PreviewPerspective, WithoutADriverItSaysWhatToInstall) {
+  setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/nonexistent.json", 1);
+  const Outcome outcome = draw("no.png", "");
+  const Outcome map = run("preview " + dem_ + " " + path("map.png"));
+  unsetenv("__EGL_VENDOR_LIBRARY_FILENAMES");
+  EXPECT_EQ(outcome.code, 3);
+  EXPECT_EQ(outcome.error_lines(), 1);
+  EXPECT_NE(outcome.err.find("libgl1-mesa-dri"), std::string::npos) << outcome.err;
+  EXPECT_EQ(map.code, 0);
+}
+
+}  // namespace
+}  // namespace arete
