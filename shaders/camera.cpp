@@ -61,6 +61,7 @@ Camera frame_box(const Box& box, double azimuth_deg, double pitch_deg, double fi
   const Point3 span = subtract(box.high, box.low);
   double distance = distance_m > 0 ? distance_m : std::sqrt(dot(span, span));
   Camera camera = orbit_camera(target, azimuth_deg, pitch_deg, distance, field_of_view_deg);
+  if (distance_m > 0) return camera;
   const HalfPlane half = half_plane(camera, aspect);
   constexpr double margin = 0.96;
   for (int round = 0; round < 12; ++round) {
@@ -77,7 +78,7 @@ Camera frame_box(const Box& box, double azimuth_deg, double pitch_deg, double fi
     const double x = (left + right) / 2 * half.width * distance, y = (bottom + top) / 2 * half.height * distance;
     target = sum(target, sum(scaled(axes.right, x), scaled(axes.up, y)));
     const double share = std::max(right - left, top - bottom) / 2 / margin;
-    if (!(distance_m > 0)) distance = std::max(distance + (share - 1) * nearest, 0.2 * distance);
+    distance = std::max(distance + (share - 1) * nearest, 0.2 * distance);
     camera = orbit_camera(target, azimuth_deg, pitch_deg, distance, field_of_view_deg);
   }
   return camera;

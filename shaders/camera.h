@@ -35,7 +35,7 @@ struct Box {
 Camera orbit_camera(const Point3& target, double azimuth_deg, double pitch_deg, double distance_m, double field_of_view_deg);
 
 /// The camera from that direction that shows the whole box, in the middle of the picture, with a margin of 4 %. `distance_m` > 0
-/// keeps that distance and only centres.
+/// looks at the middle of the box from that far.
 Camera frame_box(const Box& box, double azimuth_deg, double pitch_deg, double field_of_view_deg, double aspect, double distance_m = 0);
 
 /// Part of a picture, in pixels from its upper left corner.

@@ -51,7 +51,8 @@ QuadtreeNode measure_leaf(RasterView<const TerrainSample> samples, std::int64_t 
       for (std::int64_t i = 0; i < count; ++i) {
         const std::int64_t x = i * step, y = j * step;
         const auto z = [&](std::int64_t dx, std::int64_t dy) { return samples(x + dx, y + dy).height; };
-        const Quad quad{z(0, 0), z(step, 0), z(0, step), z(step, step), middle_share(x0 + x, step, size.width - 1), middle_share(y0 + y, step, size.height - 1)};
+        const Quad quad{z(0, 0), z(step, 0), z(0, step), z(step, step),
+                        middle_share(x0 + x, step, size.width - 1), middle_share(y0 + y, step, size.height - 1)};
         const auto part = [&](std::int64_t u, std::int64_t v) { return finer[static_cast<std::size_t>((2 * j + v) * 2 * count + 2 * i + u)]; };
         const double own = midpoint_error(quad, z(half, 0), z(0, half), z(half, half), z(step, half), z(half, step));
         const float error = static_cast<float>(own) + std::max({part(0, 0), part(1, 0), part(0, 1), part(1, 1)});
@@ -198,7 +199,8 @@ class Selection {
   void grow(const NodeId& id) {
     const Box where = box(id);
     const bool seen = sees(view_, camera_, where);
-    const double pixels = pixels_per_metre(where), metres = std::max(placement_.cell.x_m, placement_.cell.y_m) * static_cast<double>(std::int64_t{1} << id.level);
+    const double pixels = pixels_per_metre(where), step = static_cast<double>(std::int64_t{1} << id.level);
+    const double metres = std::max(placement_.cell.x_m, placement_.cell.y_m) * step;
     const QuadtreeNode& own = node(id);
     const auto fits = [&](float error) { return error * placement_.exaggeration * pixels <= options_.max_error_px; };
     if (id.level > 0 && seen && (metres * pixels > options_.max_sample_px || !fits(own.error[0]))) {

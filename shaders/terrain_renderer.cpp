@@ -112,6 +112,9 @@ void set(GLuint program, const char* name, double x, double y) {
   glProgramUniform2f(program, glGetUniformLocation(program, name), static_cast<float>(x), static_cast<float>(y));
 }
 void set_int(GLuint program, const char* name, int x) { glProgramUniform1i(program, glGetUniformLocation(program, name), x); }
+void set_int(GLuint program, const char* name, std::int64_t x, std::int64_t y) {
+  glProgramUniform2i(program, glGetUniformLocation(program, name), static_cast<GLint>(x), static_cast<GLint>(y));
+}
 void set(GLuint program, const char* name, const std::array<double, 16>& m) {
   std::array<float, 16> values;
   std::copy(m.begin(), m.end(), values.begin());
@@ -195,7 +198,7 @@ struct TerrainRenderer::Impl {
   void set_ground(GLuint program) const {
     const TerrainPlacement& at = scene->placement;
     set_int(program, "tiles", 0);
-    glProgramUniform2i(program, glGetUniformLocation(program, "last"), static_cast<GLint>(scene->tree.size.width - 1), static_cast<GLint>(scene->tree.size.height - 1));
+    set_int(program, "last", scene->tree.size.width - 1, scene->tree.size.height - 1);
     set(program, "cell", at.cell.x_m, at.cell.y_m);
     set(program, "exaggeration", at.exaggeration);
     set(program, "base", at.base);
@@ -205,11 +208,13 @@ struct TerrainRenderer::Impl {
     set_int(terrain, "light", 1);
     set_int(terrain, "ramp", 2);
     const Overview& overview = scene->overview;
-    set(terrain, "light_scale", 1.0 / static_cast<double>(overview.across * overview.cells.width()), 1.0 / static_cast<double>(overview.down * overview.cells.height()));
+    const std::int64_t columns = overview.across * overview.cells.width(), rows = overview.down * overview.cells.height();
+    set(terrain, "light_scale", 1 / static_cast<double>(columns), 1 / static_cast<double>(rows));
     const double span = scene->facts.ramp_high_m - scene->facts.ramp_low_m;
     set(terrain, "ramp_range", scene->facts.ramp_low_m, span > 0 ? 1 / span : 1);
     const double azimuth = options.sun_azimuth_deg * M_PI / 180, elevation = options.sun_elevation_deg * M_PI / 180;
-    set(terrain, "to_sun", Colour3{static_cast<float>(std::sin(azimuth) * std::cos(elevation)), static_cast<float>(std::cos(azimuth) * std::cos(elevation)), static_cast<float>(std::sin(elevation))});
+    const double level = std::cos(elevation);
+    set(terrain, "to_sun", Colour3{static_cast<float>(std::sin(azimuth) * level), static_cast<float>(std::cos(azimuth) * level), static_cast<float>(std::sin(elevation))});
     set(terrain, "water_colour", water_colour);
     for (const GLuint program : {terrain, sky}) set(program, "haze_colour", haze_colour);
     set(sky, "zenith_colour", zenith_colour);
@@ -224,7 +229,7 @@ struct TerrainRenderer::Impl {
   void set_camera(const Camera& camera, DrawMode mode) const {
     const CellSize cell = scene->placement.cell;
     const double column = camera.eye[0] / cell.x_m, row = -camera.eye[1] / cell.y_m;
-    glProgramUniform2i(terrain, glGetUniformLocation(terrain, "eye_sample"), static_cast<GLint>(std::floor(column)), static_cast<GLint>(std::floor(row)));
+    set_int(terrain, "eye_sample", std::llround(std::floor(column)), std::llround(std::floor(row)));
     set(terrain, "eye_part", column - std::floor(column), row - std::floor(row));
     set(terrain, "eye_height", camera.eye[2]);
     const auto [nearest, farthest] = distances(box(), camera.eye);
@@ -248,7 +253,8 @@ struct TerrainRenderer::Impl {
       vertices.clear();
       for (std::size_t i = 0; i < count; ++i) {
         const TerrainPatch& p = patches[i];
-        vertices.insert(vertices.end(), patch_vertices, {p.x, p.y, p.level, layers[i], {p.outer[0], p.outer[1], p.outer[2], p.outer[3]}, {p.inner[0], p.inner[1]}, p.side, 0});
+        vertices.insert(vertices.end(), patch_vertices,
+                        {p.x, p.y, p.level, layers[i], {p.outer[0], p.outer[1], p.outer[2], p.outer[3]}, {p.inner[0], p.inner[1]}, p.side, 0});
       }
       glNamedBufferData(patch_buffer, static_cast<GLsizeiptr>(vertices.size() * sizeof(PatchVertex)), vertices.data(), GL_STREAM_DRAW);
       glBindVertexArray(arrays[0]);

@@ -46,7 +46,8 @@ SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& o
       if (here.valid < 0.5f || here.water > 0.5f) continue;
       land.push_back(here.smooth);
       if (x == 0 || y == 0 || x + 1 == size.width || y + 1 == size.height) continue;
-      const double east = (samples(x + 1, y).smooth - samples(x - 1, y).smooth) / step_x, north = (samples(x, y - 1).smooth - samples(x, y + 1).smooth) / step_y;
+      const double east = (samples(x + 1, y).smooth - samples(x - 1, y).smooth) / step_x;
+      const double north = (samples(x, y - 1).smooth - samples(x, y + 1).smooth) / step_y;
       slopes.push_back(static_cast<float>(std::hypot(east, north)));
     }
   facts.low_m = overview.low_m;

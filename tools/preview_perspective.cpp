@@ -41,7 +41,9 @@ void fill_polygon(Picture& picture, const std::vector<Place>& corners, Colour co
   const auto inside = [&](double x, double y) {
     bool odd = false;
     for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++)
-      if ((corners[i].y > y) != (corners[j].y > y) && x < corners[i].x + (y - corners[i].y) / (corners[j].y - corners[i].y) * (corners[j].x - corners[i].x)) odd = !odd;
+      if ((corners[i].y > y) != (corners[j].y > y) &&
+          x < corners[i].x + (y - corners[i].y) / (corners[j].y - corners[i].y) * (corners[j].x - corners[i].x))
+        odd = !odd;
     return odd;
   };
   Picture dot(1, 1, colour);

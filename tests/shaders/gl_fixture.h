@@ -35,8 +35,8 @@ class GlFixture : public testing::Test {
   static Camera camera(const TerrainRenderer& renderer, int i) {
     const Box box = renderer.box();
     const double span = std::hypot(box.high[0] - box.low[0], box.high[1] - box.low[1]);
-    const Point3 target = {box.low[0] + (0.2 + 0.15 * (i % 5)) * (box.high[0] - box.low[0]), box.low[1] + (0.2 + 0.15 * (i / 5 % 5)) * (box.high[1] - box.low[1]),
-                           box.high[2]};
+    const Point3 target = {box.low[0] + (0.2 + 0.15 * (i % 5)) * (box.high[0] - box.low[0]),
+                           box.low[1] + (0.2 + 0.15 * (i / 5 % 5)) * (box.high[1] - box.low[1]), box.high[2]};
     return orbit_camera(target, 47.0 * i, 12 + (i * 17) % 70, span * (0.15 + 0.11 * (i % 9)), 35);
   }
 };

@@ -142,8 +142,8 @@ TEST(TerrainQuadtree, PatchesTileTheTerrainAndNeighboursDifferByOneLevel) {
     for (std::int64_t x = 0; x < 24; ++x) {
       levels.insert(level(x, y));
       EXPECT_GE(level(x, y), 0);
-      if (x > 0) EXPECT_LE(std::abs(level(x, y) - level(x - 1, y)), 1);
-      if (y > 0) EXPECT_LE(std::abs(level(x, y) - level(x, y - 1)), 1);
+      EXPECT_LE(std::abs(level(x, y) - level(std::max<std::int64_t>(0, x - 1), y)), 1);
+      EXPECT_LE(std::abs(level(x, y) - level(x, std::max<std::int64_t>(0, y - 1))), 1);
     }
   EXPECT_GE(levels.size(), 3u);
 }

@@ -96,15 +96,18 @@ TEST_F(TerrainRendererTest, TheTessellatorMakesAsManyTrianglesAsCounted) {
   const Raster<float> cells = synthesize_mountains({300, 300}, {.seed = 4});
   const ViewSource source(cells.view());
   const auto renderer = render(source, {});
-  for (const std::array<int, 6> levels : {std::array{1, 1, 1, 1, 1, 1}, {64, 64, 64, 64, 64, 64}, {2, 1, 1, 1, 1, 1}, {4, 8, 16, 2, 8, 8}, {1, 4, 1, 4, 4, 1}, {32, 32, 64, 32, 1, 1}}) {
+  const std::vector<std::array<int, 6>> cases = {{1, 1, 1, 1, 1, 1}, {64, 64, 64, 64, 64, 64}, {2, 1, 1, 1, 1, 1}, {4, 8, 16, 2, 8, 8}, {1, 4, 1, 4, 4, 1}, {32, 32, 64, 32, 1, 1}};
+  for (const std::array<int, 6>& levels : cases) {
     const TerrainPatch patch{64, 64, 0, {levels[0], levels[1], levels[2], levels[3]}, {levels[4], levels[5]}, 0};
     const auto vertices = renderer->evaluate({patch});
     // Every triangle was written: none is left of zeros at the end.
     ASSERT_EQ(vertices.size(), static_cast<std::size_t>(3 * count_triangles(patch)));
     EXPECT_TRUE(vertices.back()[0] >= 64 && vertices.back()[1] >= 64);
     double area = 0;
-    for (std::size_t i = 0; i < vertices.size(); i += 3)
-      area += std::abs((vertices[i + 1][0] - vertices[i][0]) * (vertices[i + 2][1] - vertices[i][1]) - (vertices[i + 2][0] - vertices[i][0]) * (vertices[i + 1][1] - vertices[i][1])) / 2;
+    for (std::size_t i = 0; i < vertices.size(); i += 3) {
+      const auto &a = vertices[i], &b = vertices[i + 1], &c = vertices[i + 2];
+      area += std::abs((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])) / 2;
+    }
     EXPECT_DOUBLE_EQ(area, 64 * 64);
   }
 }
