@@ -24,7 +24,7 @@ const vec3 wall_colour = vec3(0.60, 0.56, 0.515), floor_colour = vec3(0.115, 0.1
 
 vec4 tile_at(vec2 at) { return texture(tiles, vec3((at + 1.5) / 67.0, float(tile.y))); }
 
-const vec3 sun_light = vec3(1.25, 1.16, 1.01), sky_light = vec3(0.225, 0.265, 0.345), bounce = vec3(0.05, 0.043, 0.034);
+const vec3 sun_light = vec3(1.12, 1.04, 0.91), sky_light = vec3(0.225, 0.265, 0.345), bounce = vec3(0.05, 0.043, 0.034);
 
 vec3 lit(vec3 albedo, vec3 normal, vec2 seen) {
   float direct = max(dot(normal, to_sun), 0.0) * seen.y;
