@@ -6,10 +6,11 @@
 #include <vector>
 
 #include "gis/colour_ramp.h"
-#include "gis/dem_file.h"
+#include "gis/geodesy.h"
 #include "gis/mesh/draw_mesh.h"
 #include "gis/relief.h"
 #include "tools/command.h"
+#include "tools/elevation_input.h"
 #include "tools/mesh_input.h"
 #include "tools/preview_perspective.h"
 #include "tools/preview_profile.h"
@@ -57,9 +58,9 @@ PerspectiveArguments perspective_of(const PreviewArguments& arguments) {
 }
 
 Relief draw_dem(const PreviewArguments& arguments, ReliefOptions options, Progress& progress) {
-  const DemReader dem(arguments.input, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb});
-  options.metric = dem.georeference().transform.has_value();
-  return draw_relief(dem, dem.cell_size(), options, progress);
+  const ElevationInput dem = open_elevations(arguments.input, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, options.threads);
+  options.metric = dem.geo.transform.has_value();
+  return draw_relief(*dem.source, cell_size(dem.geo, dem.source->size()), options, progress);
 }
 
 Relief draw_mesh_file(const PreviewArguments& arguments, const ReliefOptions& relief, const CommonOptions& common, Progress& progress) {

@@ -96,6 +96,13 @@ TEST_F(PreviewVerb, DrawsEveryAwkwardFile) {
   EXPECT_GE(drawn, 9);
 }
 
+TEST_F(PreviewVerb, DrawsATree) {
+  ASSERT_EQ(WEXITSTATUS(std::system((std::string(ARETE_TOOL) + " compress " + path("hill.asc") + " " + path("hill.sct") + " --lossless --quiet > " + path("out")).c_str())), 0);
+  EXPECT_EQ(preview(path("hill.sct") + " " + path("tree.png")), 0) << text("err");
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("dem.png")), 0) << text("err");
+  EXPECT_EQ(text("tree.png"), text("dem.png"));
+}
+
 TEST_F(PreviewVerb, DrawsAProfile) {
   EXPECT_EQ(preview(path("hill.asc") + " " + path("a.png") + " --view profile --width 800 --json"), 0) << text("err");
   const auto data = nlohmann::json::parse(text("out"));
