@@ -69,15 +69,19 @@ std::vector<char> find_water(RasterView<const float> cells) {
   return water;
 }
 
-Ground survey(const RasterSource& source, CellSize cell, Size pixels, int threads, Progress& progress) {
-  const Size size = source.size();
-  const std::int64_t across = std::max<std::int64_t>(1, size.width / pixels.width);
-  const std::int64_t down = std::max<std::int64_t>(1, size.height / pixels.height);
+Ground survey_blocks(const RasterSource& source, CellSize cell, std::int64_t across, std::int64_t down, int threads, Progress& progress) {
   Ground ground;
   ground.overview = make_overview(source, across, down, threads, progress);
   ground.cell = {cell.x_m * static_cast<double>(across), cell.y_m * static_cast<double>(down)};
   ground.water = find_water(ground.overview.cells.view());
   return ground;
+}
+
+Ground survey(const RasterSource& source, CellSize cell, Size pixels, int threads, Progress& progress) {
+  const Size size = source.size();
+  const std::int64_t across = std::max<std::int64_t>(1, size.width / pixels.width);
+  const std::int64_t down = std::max<std::int64_t>(1, size.height / pixels.height);
+  return survey_blocks(source, cell, across, down, threads, progress);
 }
 
 double percentile(std::vector<float>& values, double share) {
@@ -199,6 +203,33 @@ Picture paint_relief(const Ground& ground, const Scale& scale, const ReliefOptio
   });
 }
 
+/// Void pixels take the mean colour of the valid ones beside them, ring by ring; far inside a void they are grey.
+Picture spread_colours(Picture picture) {
+  constexpr int rings = 4;
+  constexpr Colour far_inside = {190, 190, 190, 255};
+  const std::int64_t width = picture.width(), height = picture.height();
+  for (int ring = 0; ring < rings; ++ring) {
+    const Picture before = picture;
+    for (std::int64_t y = 0; y < height; ++y)
+      for (std::int64_t x = 0; x < width; ++x) {
+        if (before(x, y)[3] != 0) continue;
+        int sum[3] = {}, count = 0;
+        for (std::int64_t j = std::max<std::int64_t>(0, y - 1); j <= std::min(height - 1, y + 1); ++j)
+          for (std::int64_t i = std::max<std::int64_t>(0, x - 1); i <= std::min(width - 1, x + 1); ++i) {
+            if (before(i, j)[3] == 0) continue;
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += before(i, j)[c];
+            ++count;
+          }
+        if (count == 0) continue;
+        for (std::size_t c = 0; c < 3; ++c) picture(x, y)[c] = static_cast<std::uint8_t>(sum[c] / count);
+        picture(x, y)[3] = 255;
+      }
+  }
+  for (std::int64_t i = 0; i < width * height; ++i)
+    if (picture.data()[i][3] == 0) picture.data()[i] = far_inside;
+  return picture;
+}
+
 std::string range_text(double low, double high) {
   if (std::isnan(low)) return "no elevation";
   char text[96];
@@ -292,6 +323,27 @@ class DifferenceSource final : public RasterSource {
 };
 
 }  // namespace
+
+Drapes drape_reliefs(const std::vector<ReliefPanel>& panels, std::int64_t longest, const ReliefOptions& options, Progress& progress) {
+  assert(!panels.empty() && longest > 0);
+  std::vector<Ground> grounds;
+  for (const ReliefPanel& panel : panels) {
+    const Size size = panel.source->size();
+    const std::int64_t block = (std::max(size.width, size.height) + longest - 1) / longest;
+    grounds.push_back(survey_blocks(*panel.source, panel.cell, block, block, options.threads, progress));
+  }
+  const Scale scale = common_scale(grounds, options.exaggeration);
+  Drapes result;
+  result.colour_low_m = scale.low;
+  result.colour_high_m = scale.high;
+  result.exaggeration = scale.exaggeration;
+  result.water = scale.water;
+  for (Ground& ground : grounds) {
+    Picture picture = spread_colours(paint_relief(ground, scale, options));
+    result.drapes.push_back({std::move(picture), std::move(ground.overview)});
+  }
+  return result;
+}
 
 Relief draw_difference_map(const RasterSource& reference, const RasterSource& result, CellSize cell, double limit_m,
                            const ReliefOptions& options, Progress& progress) {

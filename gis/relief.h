@@ -6,6 +6,7 @@
 
 #include "core/support/progress.h"
 #include "core/terrain/georeference.h"
+#include "core/terrain/overview.h"
 #include "core/terrain/raster_io.h"
 #include "gis/image.h"
 
@@ -48,6 +49,23 @@ struct ReliefPanel {
 /// size (options.width each, default 512), colour scale, light and exaggeration, those of the panels together; a coarser panel
 /// shows its cells as squares. The panels should have the same extent. At least one panel.
 Relief draw_relief_panels(const std::vector<ReliefPanel>& panels, int columns, const ReliefOptions& options, Progress& progress);
+
+/// A relief to be laid over its ground in space, and that ground: a pixel per cell of the overview.
+struct ReliefDrape {
+  Picture picture;  ///< opaque; beside the rim of a void its colours go on, so that nothing foreign is mixed into the rim
+  Overview ground;
+};
+
+struct Drapes {
+  std::vector<ReliefDrape> drapes;
+  double colour_low_m = 0, colour_high_m = 0;  ///< where the ramp begins and ends; NaN where all is void
+  double exaggeration = 1;                     ///< for the light
+  bool water = false;                          ///< whether there is any
+};
+
+/// The maps of draw_relief_panels, each alone and in the cells of its own raster, or in blocks of n x n of them: the least n with
+/// which no side has more than `longest` pixels. At least one panel. options.width, legend and metric do not count.
+Drapes drape_reliefs(const std::vector<ReliefPanel>& panels, std::int64_t longest, const ReliefOptions& options, Progress& progress);
 
 /// Signed difference result - reference in diverging colours (blue: result too low, red: too high), symmetric about 0 up to
 /// +-limit_m, over a faint hillshade of the reference; where cells are averaged to fit, the mean difference. Cells that are void

@@ -12,6 +12,7 @@
 #include "tools/command.h"
 #include "tools/elevation_input.h"
 #include "tools/mesh_input.h"
+#include "tools/preview_page.h"
 #include "tools/preview_perspective.h"
 #include "tools/preview_profile.h"
 #include "tools/verbs.h"
@@ -20,7 +21,7 @@ namespace arete::tools {
 namespace {
 
 struct PreviewArguments {
-  std::string input, output, view = "top", ramp = "land", azimuth = "multi";
+  std::string input, output, compare, view = "top", ramp = "land", azimuth = "multi";
   std::vector<double> line;
   std::int64_t width = 0;
   double exaggeration = 0;
@@ -87,6 +88,14 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
   options.azimuth_deg = parse_azimuth(arguments.azimuth);
   options.legend = !arguments.no_legend;
   options.threads = common.threads;
+  if (is_page(arguments.output)) {
+    write_preview_page({.input = arguments.input, .output = arguments.output, .compare = arguments.compare,
+                        .reading = {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, .relief = options, .legend = options.legend},
+                       common);
+    return;
+  }
+  if (!arguments.compare.empty())
+    throw Error(ErrorKind::usage, "--compare shows two DEMs on a page, but '" + arguments.output + "' is a picture: let the output end in .html");
   check_picture_path(arguments.output, common.overwrite);
   if (options.legend && find_font().empty())
     warn(common, "no font found, the legend is left out: install fonts-dejavu-core or set ARETE_FONT");
@@ -115,12 +124,14 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
 
 void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<PreviewArguments>();
-  CLI::App* verb = add_verb(app, "preview", "Draw a DEM or a mesh as a shaded relief map with legend and scale bar",
+  CLI::App* verb = add_verb(app, "preview", "Draw a DEM or a mesh as a shaded relief map, in perspective, as a profile, or as a page to turn about in a browser",
                             "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png\narete preview dem.tif view.png --view perspective --look-from 200\n"
-                            "arete preview dem.tif profile.png --view profile --line 782000,186000,785000,189000",
+                            "arete preview dem.tif profile.png --view profile --line 782000,186000,785000,189000\n"
+                            "arete preview dem.tif page.html --compare finer.tif",
                             common, [arguments, common] { run_preview(*arguments, *common); });
   verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens; a tree (.sct); or a mesh (.ply...)")->required();
-  verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr")->required();
+  verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr; or a page for a browser that needs no network: .html")->required();
+  verb->add_option("--compare", arguments->compare, "Page: another DEM of the same ground, right of a divider that can be moved");
   verb->add_option("--view", arguments->view, "What is drawn: 'top', the map (default); 'perspective', the terrain as a camera sees it; or 'profile', the elevations under a line")
       ->check(CLI::IsMember({"top", "perspective", "profile"}));
   verb->add_option("--line", arguments->line, "Where the profile runs, X1,Y1,X2,Y2 in the CRS of the DEM (default: through the middle, from left to right)")
@@ -128,10 +139,11 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
       ->expected(4);
   add_perspective_options(verb, arguments->perspective);
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
-  verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048)")
+  verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048). Page: samples along the longest side (default: 1280)")
       ->check(CLI::Range(16, 20000));
   verb->add_option("--exaggeration", arguments->exaggeration,
-                   "Heights for the light, and of a profile, are multiplied by this (default: by the steepness of the terrain; what fills the drawing)")
+                   "Heights for the light, of a profile, in perspective and on a page at first are multiplied by this (default: by the steepness of the terrain; a profile: "
+                   "what fills the drawing)")
       ->check(above_zero());
   verb->add_option("--azimuth", arguments->azimuth, "Light: 'multi' for four about the north-west (default), or one from so many degrees");
   verb->add_flag("--no-legend", arguments->no_legend, "The map alone");

@@ -6,6 +6,7 @@
 #include <sstream>
 
 #include "core/support/error.h"
+#include "gis/html_text.h"
 
 namespace arete::tools {
 namespace {
@@ -25,18 +26,6 @@ pre { overflow-x: auto; padding: .8rem; border: 1px solid var(--line); border-ra
 footer { margin-top: 2rem; font-size: .9rem; opacity: .7; }
 )";
 
-std::string escape(const std::string& text) {
-  std::string safe;
-  for (const char c : text) switch (c) {
-      case '&': safe += "&amp;"; break;
-      case '<': safe += "&lt;"; break;
-      case '>': safe += "&gt;"; break;
-      case '"': safe += "&quot;"; break;
-      default: safe += c;
-    }
-  return safe;
-}
-
 std::string read_bytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
@@ -47,61 +36,48 @@ std::string read_bytes(const std::string& path) {
 
 void write_table(std::ostream& out, const std::vector<std::string>& columns, const std::vector<std::vector<std::string>>& rows) {
   out << "<div class=\"wide\"><table>\n<tr>";
-  for (const std::string& column : columns) out << "<th>" << escape(column) << "</th>";
+  for (const std::string& column : columns) out << "<th>" << escape_html(column) << "</th>";
   out << "</tr>\n";
   for (const auto& row : rows) {
     out << "<tr>";
-    for (const std::string& cell : row) out << "<td>" << escape(cell) << "</td>";
+    for (const std::string& cell : row) out << "<td>" << escape_html(cell) << "</td>";
     out << "</tr>\n";
   }
   out << "</table></div>\n";
 }
 
 void write_section(std::ostream& out, const Report::Section& section) {
-  out << "<h" << section.level << '>' << escape(section.heading) << "</h" << section.level << ">\n";
-  for (const std::string& paragraph : section.paragraphs) out << "<p>" << escape(paragraph) << "</p>\n";
+  out << "<h" << section.level << '>' << escape_html(section.heading) << "</h" << section.level << ">\n";
+  for (const std::string& paragraph : section.paragraphs) out << "<p>" << escape_html(paragraph) << "</p>\n";
   if (!section.svg.empty()) out << "<figure>" << section.svg << "</figure>\n";
   if (!section.columns.empty()) write_table(out, section.columns, section.rows);
 }
 
 }  // namespace
 
-std::string base64(const std::string& bytes) {
-  static constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    std::uint32_t group = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-    for (std::size_t k = 0; k < 4; ++k) text += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
-  }
-  return text;
-}
-
 std::string write_html(const Report& report) {
   std::ostringstream out;
   out << "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
          "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>"
-      << escape(report.title) << "</title>\n<style>" << style << "</style>\n</head>\n<body>\n<h1>" << escape(report.title) << "</h1>\n";
-  for (const std::string& paragraph : report.introduction) out << "<p>" << escape(paragraph) << "</p>\n";
+      << escape_html(report.title) << "</title>\n<style>" << style << "</style>\n</head>\n<body>\n<h1>" << escape_html(report.title) << "</h1>\n";
+  for (const std::string& paragraph : report.introduction) out << "<p>" << escape_html(paragraph) << "</p>\n";
 
   for (const Report::Section& section : report.sections) write_section(out, section);
   if (!report.columns.empty()) {
     out << "<h2>Figures</h2>\n";
     write_table(out, report.columns, report.rows);
-    out << "<p>" << escape(report.table_note) << "</p>\n";
+    out << "<p>" << escape_html(report.table_note) << "</p>\n";
   }
   if (!report.pictures.empty()) out << "<h2>Pictures</h2>\n";
   for (const Report::Picture& picture : report.pictures)
-    out << "<figure><img alt=\"" << escape(picture.caption) << "\" src=\"data:image/png;base64," << base64(read_bytes(picture.png))
-        << "\"><figcaption>" << escape(picture.caption) << "</figcaption></figure>\n";
+    out << "<figure><img alt=\"" << escape_html(picture.caption) << "\" src=\"data:image/png;base64," << base64(read_bytes(picture.png))
+        << "\"><figcaption>" << escape_html(picture.caption) << "</figcaption></figure>\n";
   if (!report.commands.empty()) {
     out << "<h2>The same again, step by step</h2>\n<pre>";
-    for (const std::string& command : report.commands) out << escape(command) << '\n';
+    for (const std::string& command : report.commands) out << escape_html(command) << '\n';
     out << "</pre>\n";
   }
-  out << "<footer>" << escape(report.footer) << "</footer>\n</body>\n</html>\n";
+  out << "<footer>" << escape_html(report.footer) << "</footer>\n</body>\n</html>\n";
   return out.str();
 }
 

@@ -33,7 +33,4 @@ struct Report {
 /// One HTML page that needs no other file and no network. Throws Error{disk} where a picture cannot be read.
 std::string write_html(const Report& report);
 
-/// Base64 (RFC 4648) of bytes.
-std::string base64(const std::string& bytes);
-
 }  // namespace arete::tools

@@ -14,18 +14,6 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-// Test vectors of RFC 4648, section 10.
-TEST(Base64, AgreesWithTheStandard) {
-  EXPECT_EQ(arete::tools::base64(""), "");
-  EXPECT_EQ(arete::tools::base64("f"), "Zg==");
-  EXPECT_EQ(arete::tools::base64("fo"), "Zm8=");
-  EXPECT_EQ(arete::tools::base64("foo"), "Zm9v");
-  EXPECT_EQ(arete::tools::base64("foob"), "Zm9vYg==");
-  EXPECT_EQ(arete::tools::base64("fooba"), "Zm9vYmE=");
-  EXPECT_EQ(arete::tools::base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(arete::tools::base64("\xff\xfe\x01"), "//4B");
-}
-
 TEST(Report, HoldsItsPicturesAndEscapesText) {
   const std::string png = testing::TempDir() + "/arete-report.png";
   std::ofstream(png) << "foobar";
