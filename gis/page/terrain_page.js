@@ -66,7 +66,8 @@ function surface(t) {
   return geometry;
 }
 
-// Walls from the outermost cells down to the foot, so that terrain looks cut from a block. `foot`: 1 at the bottom.
+// Walls from the outermost cells down to a floor, so that terrain looks cut from a block, and voids like holes, not like snow.
+// `foot`: 1 at the bottom.
 function walls(t, top) {
   const { width, height, steps } = t, at = top.attributes.position.array;
   const position = [], foot = [], shade = [];
@@ -78,6 +79,8 @@ function walls(t, top) {
   };
   for (let x = 0; x + 1 < width; ++x) { edge(x, x + 1, 0.93); edge((height - 1) * width + x, (height - 1) * width + x + 1, 0.86); }
   for (let y = 0; y + 1 < height; ++y) { edge(y * width, (y + 1) * width, 1); edge((y + 1) * width - 1, (y + 2) * width - 1, 0.78); }
+  const corners = [0, width - 1, (height - 1) * width, height * width - 1];
+  for (const i of [0, 2, 1, 1, 2, 3].map(k => corners[k])) { position.push(at[3 * i], 0, at[3 * i + 2]); foot.push(1); shade.push(0.68); }
   const geometry = new THREE.BufferGeometry();
   geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(position), 3));
   geometry.setAttribute('foot', new THREE.BufferAttribute(new Float32Array(foot), 1));
@@ -178,7 +181,7 @@ function start() {
   renderer.setClearColor(0, 0);
   const scenes = terrains.map((t, i) => {
     const texture = new THREE.Texture(element('picture-' + i));
-    texture.anisotropy = renderer.capabilities.getMaxAnisotropy();
+    texture.anisotropy = Math.min(4, renderer.capabilities.getMaxAnisotropy());
     texture.generateMipmaps = true;
     texture.minFilter = THREE.LinearMipmapLinearFilter;
     texture.needsUpdate = true;
@@ -235,7 +238,7 @@ function start() {
     const [width, height] = size(), half = camera.fov * Math.PI / 360;
     const away = reach * 0.92 / Math.tan(Math.min(half, Math.atan(Math.tan(half) * width / height)));
     const from = 42 * Math.PI / 180;
-    controls.target.set(0, (highest - lowest) * common.lift.value * 0.35, 0);
+    controls.target.set(0, (highest - lowest) * common.lift.value * 0.35 - 0.06 * reach, 0);
     camera.position.set(0, Math.sin(from), Math.cos(from)).multiplyScalar(away).add(controls.target);
     controls.update();
     draw();

@@ -18,7 +18,7 @@ import tempfile
 import time
 import urllib.request
 
-DEADLINE_S = 120
+DEADLINE_S = 240
 
 
 class DevTools:
