@@ -361,6 +361,7 @@ function start() {
   const divider = element('divider');
   divider.addEventListener('pointerdown', event => { divider.setPointerCapture(event.pointerId); event.preventDefault(); divider.focus(); });
   divider.addEventListener('pointermove', event => { if (divider.hasPointerCapture(event.pointerId)) setSplit(event.clientX / size()[0]); });
+  divider.addEventListener('wheel', event => { canvas.dispatchEvent(new WheelEvent('wheel', event)); event.preventDefault(); }, { passive: false });
   divider.addEventListener('keydown', event => {
     const to = { ArrowLeft: split - 0.02, ArrowRight: split + 0.02, Home: 0, End: 1 }[event.key];
     if (to === undefined) return;
