@@ -217,7 +217,7 @@ function start() {
     element('needle').setAttribute('transform', `rotate(${turn * 180 / Math.PI})`);
     root.dataset.azimuth = turn.toFixed(4);
     root.dataset.distance = away.toFixed(3);
-    root.dataset.state = 'ready';
+    if (root.dataset.state === 'loading') root.dataset.state = 'ready';
   }
   function draw() {
     if (wanted) return;

@@ -195,12 +195,29 @@ TEST_F(PreviewPageInABrowser, TheDividerShowsTheOtherDem) {
   const auto alone = browse(path("b.html"));
   ASSERT_EQ(alone["before"]["state"], "ready");
   const Picture right = read_picture(path("before.png"));
-  // Left of the divider is another terrain, right of it the same but for the common range of heights.
+  // Left of the divider is another terrain.
   EXPECT_GT(changed(both, right, 250, 480), 0.15);
   expect_no_network(result);
 }
 
-TEST_F(PreviewPageInABrowser, VoidsAreHolesAndNothingButVoidsIsSaid) {
+TEST_F(PreviewPageInABrowser, AVoidIsAHoleThroughWhichTheFloorIsSeen) {
+  Raster<float> cells(120, 120, 100);  // a low plateau, whose rim hides no floor
+  cells(0, 0) = 101;
+  for (std::int64_t y = 30; y < 90; ++y)
+    for (std::int64_t x = 30; x < 90; ++x) cells(x, y) = void_value;
+  GeoReference geo;
+  geo.transform = {500000, 30, 0, 4600000, 0, -30};
+  DemWriter writer(path("hole.tif"), {120, 120}, geo);
+  writer.write(0, {0, 0, 120, 120}, cells.view());
+  writer.commit();
+  ASSERT_EQ(run("preview " + path("hole.tif") + " " + path("hole.html") + " --exaggeration 1").code, 0);
+  ASSERT_EQ(browse(path("hole.html"))["before"]["state"], "ready");
+  const Picture before = read_picture(path("before.png"));
+  const int floor[] = {139, 134, 128};  // 255 x (0.80, 0.775, 0.74) x 0.68, as the page draws it
+  for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(before(500, 320)[c], floor[c], 2) << c;
+}
+
+TEST_F(PreviewPageInABrowser, NothingButVoidsIsSaid) {
   GeoReference geo;
   geo.transform = {500000, 30, 0, 4600000, 0, -30};
   DemWriter writer(path("void.tif"), {50, 50}, geo);
