@@ -159,6 +159,25 @@ TEST(DrawReliefPanels, WrapIntoRows) {
   EXPECT_GE(sheet.height(), 2 * 64);
 }
 
+TEST(DrapeReliefs, HaveAPixelPerCellOneScaleAndNoHoles) {
+  const Raster<float> fine = hills(300, 200);
+  Raster<float> coarse = hills(100, 80);
+  for (std::int64_t y = 20; y < 60; ++y)
+    for (std::int64_t x = 20; x < 60; ++x) coarse(x, y) = void_value;
+  const ViewSource a(fine.view()), b(coarse.view());
+  NoProgress silent;
+  const Drapes drapes = drape_reliefs({{"a", &a, {10, 20}}, {"b", &b, {30, 30}}}, 150, {}, silent);
+  ASSERT_EQ(drapes.drapes.size(), 2u);
+  EXPECT_EQ(drapes.drapes[0].ground.cells.size(), (Size{150, 100}));
+  EXPECT_EQ(drapes.drapes[0].picture.width(), 150);
+  EXPECT_EQ(drapes.drapes[1].picture.height(), 80);
+  EXPECT_LT(drapes.colour_low_m, drapes.colour_high_m);
+  const Picture& holed = drapes.drapes[1].picture;
+  for (std::int64_t i = 0; i < 100 * 80; ++i) ASSERT_EQ(holed.data()[i][3], 255);
+  EXPECT_EQ(holed(40, 40), (Colour{190, 190, 190, 255}));
+  EXPECT_NE(holed(21, 40), (Colour{190, 190, 190, 255}));
+}
+
 TEST(DrawDifferenceMap, IsRedWhereTheResultIsTooHigh) {
   Raster<float> reference(520, 520, 100.0f), result(520, 520, 100.0f);
   for (std::int64_t x = 0; x < 520; ++x) {
