@@ -42,8 +42,9 @@ CellSize cell_size(const GeoReference& geo, Size size) {
   if (!geo.transform) return {1, 1};
   const auto& t = *geo.transform;
   const double column = static_cast<double>(size.width) / 2, row = static_cast<double>(size.height) / 2;
-  const double x = t[0] + column * t[1] + row * t[2], y = t[3] + column * t[4] + row * t[5];
   const Ground ground = ground_of(geo);
+  if (!ground.ellipsoid) return {std::hypot(t[1], t[4]) * ground.metres, std::hypot(t[2], t[5]) * ground.metres};
+  const double x = t[0] + column * t[1] + row * t[2], y = t[3] + column * t[4] + row * t[5];
   const auto length = [&](double dx, double dy) { return ground.distance(x - dx / 2, y - dy / 2, x + dx / 2, y + dy / 2); };
   return {length(t[1], t[4]), length(t[2], t[5])};
 }
