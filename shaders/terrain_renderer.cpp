@@ -313,6 +313,29 @@ TerrainRenderer::~TerrainRenderer() = default;
 
 const SceneFacts& TerrainRenderer::facts() const { return impl_->scene->facts; }
 Box TerrainRenderer::box() const { return impl_->box(); }
+
+double TerrainRenderer::ground_height(double x_m, double y_m) const {
+  const TerrainScene& scene = *impl_->scene;
+  const Overview& overview = scene.overview;
+  const auto block = [](double metres, double cell_m, std::int64_t cells, std::int64_t count) {
+    return std::clamp(static_cast<std::int64_t>(std::floor((metres / cell_m + 0.5) / static_cast<double>(cells))), std::int64_t{0}, count - 1);
+  };
+  const std::int64_t x = block(x_m, scene.placement.cell.x_m, overview.across, overview.cells.width());
+  const std::int64_t y = block(-y_m, scene.placement.cell.y_m, overview.down, overview.cells.height());
+  return static_cast<double>(overview.cells(x, y)) * scene.placement.exaggeration;
+}
+
+void TerrainRenderer::relight(double exaggeration, double sun_azimuth_deg, double sun_elevation_deg) {
+  impl_->context.make_current();
+  impl_->options.sun_azimuth_deg = sun_azimuth_deg;
+  impl_->options.sun_elevation_deg = sun_elevation_deg;
+  light_scene(*impl_->scene, exaggeration, sun_azimuth_deg, sun_elevation_deg, impl_->options.threads);
+  glDeleteTextures(1, &impl_->light);
+  impl_->make_light();
+  for (const GLuint program : {impl_->terrain, impl_->capture}) impl_->set_ground(program);
+  impl_->set_colours();
+}
+
 std::string TerrainRenderer::driver() const { return impl_->context.description(); }
 
 std::vector<TerrainPatch> TerrainRenderer::select(const Camera& camera, Size picture) const {

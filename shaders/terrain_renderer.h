@@ -51,6 +51,11 @@ class TerrainRenderer {
   std::string driver() const;  ///< of OpenGL
   /// Of all that may be drawn; walls as well.
   Box box() const;
+  /// Of the ground at (x east, y north) as the light sees it (blocks of the overview, voids filled), in exaggerated metres; outside, that of the border.
+  double ground_height(double x_m, double y_m) const;
+
+  /// Draws from now on with this exaggeration (> 0) and sun. See light_scene for its cost.
+  void relight(double exaggeration, double sun_azimuth_deg, double sun_elevation_deg);
 
   /// A picture of 1 x 1 to 16384 x 16384 pixels; throws Error{usage} beyond.
   Frame draw(const Camera& camera, Size picture, DrawMode mode = DrawMode::lit);

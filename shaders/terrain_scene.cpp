@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/support/error.h"
 #include "core/terrain/fill_voids.h"
@@ -78,15 +79,27 @@ std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize
   scene->pyramid = std::make_unique<SamplePyramid>(source, scene->overview, options.memory_bytes / 4 * 3, options.threads, progress);
   scene->facts = survey(*scene->pyramid, cell, scene->overview);
   if (options.exaggeration > 0) scene->facts.exaggeration = options.exaggeration;
+  if (options.ramp_range_m) scene->facts.ramp_low_m = (*options.ramp_range_m)[0], scene->facts.ramp_high_m = (*options.ramp_range_m)[1];
   scene->tree = build_quadtree(*scene->pyramid, options.threads, progress);
-  const double exaggeration = scene->facts.exaggeration, low = scene->facts.low_m * exaggeration, high = scene->facts.high_m * exaggeration;
-  const double longest = std::max(static_cast<double>(size.width - 1) * cell.x_m, static_cast<double>(size.height - 1) * cell.y_m);
-  scene->placement = {cell, exaggeration, low - std::max(0.15 * (high - low), 0.015 * longest), options.walls, options.walls && scene->facts.has_voids};
-  const CellSize block{cell.x_m * static_cast<double>(scene->overview.across), cell.y_m * static_cast<double>(scene->overview.down)};
-  scene->light = measure_sky_light(heights.view(), block,
-                                   {.sun_azimuth_deg = options.sun_azimuth_deg, .sun_elevation_deg = options.sun_elevation_deg,
-                                    .exaggeration = exaggeration, .threads = options.threads});
+  scene->placement = {cell, scene->facts.exaggeration, 0, options.walls, options.walls && scene->facts.has_voids};
+  light_scene(*scene, scene->facts.exaggeration, options.sun_azimuth_deg, options.sun_elevation_deg, options.threads);
   return scene;
+}
+
+void light_scene(TerrainScene& scene, double exaggeration, double sun_azimuth_deg, double sun_elevation_deg, int threads) {
+  const bool same_heights = scene.facts.exaggeration == exaggeration && scene.light.sky.size().cells() > 0;
+  scene.facts.exaggeration = scene.placement.exaggeration = exaggeration;
+  const CellSize cell = scene.placement.cell;
+  const Size size = scene.tree.size;
+  const double low = scene.facts.low_m * exaggeration, high = scene.facts.high_m * exaggeration;
+  const double longest = std::max(static_cast<double>(size.width - 1) * cell.x_m, static_cast<double>(size.height - 1) * cell.y_m);
+  scene.placement.base = low - std::max(0.15 * (high - low), 0.015 * longest);
+  const CellSize block{cell.x_m * static_cast<double>(scene.overview.across), cell.y_m * static_cast<double>(scene.overview.down)};
+  SkyLightOptions options{.sun_azimuth_deg = sun_azimuth_deg, .sun_elevation_deg = sun_elevation_deg, .exaggeration = exaggeration, .threads = threads};
+  if (same_heights) options.directions = 1;
+  SkyLight light = measure_sky_light(scene.overview.cells.view(), block, options);
+  scene.light.sun = std::move(light.sun);
+  if (!same_heights) scene.light.sky = std::move(light.sky);
 }
 
 }  // namespace arete

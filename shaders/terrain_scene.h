@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/support/progress.h"
@@ -18,6 +19,7 @@ struct SceneOptions {
   double exaggeration = 0;                         ///< of heights; 0: 1 for mountains, up to 6 for gentle terrain
   std::vector<std::array<std::uint8_t, 3>> ramp;   ///< sRGB colours from the lowest to the highest land; empty: grey
   double sun_azimuth_deg = 315, sun_elevation_deg = 40;
+  std::optional<std::array<double, 2>> ramp_range_m;  ///< heights of the ends of the ramp; none: as the facts say
   double haze = 0.15;                              ///< share of the far side's light that is haze, in [0, 1)
   bool walls = true;                               ///< the terrain is a block that stands on its walls
   SelectionOptions detail;
@@ -47,5 +49,8 @@ struct TerrainScene {
 /// Reads the source by windows: once for the overview, once for the pyramid, and once more where not all samples stay in memory. The source
 /// must outlive the scene. Throws Error{input} where the raster is less than 2 x 2 cells or no cell is valid.
 std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize cell, const SceneOptions& options, Progress& progress);
+
+/// Another exaggeration or sun. Seconds at most: 17 visits of the cells of the overview, 2 where the exaggeration stays.
+void light_scene(TerrainScene& scene, double exaggeration, double sun_azimuth_deg, double sun_elevation_deg, int threads);
 
 }  // namespace arete
