@@ -77,6 +77,7 @@ int main(int argc, char** argv) {
   arete::tools::add_demo(app, common);
   arete::tools::add_compare(app, common);
   arete::tools::add_preview(app, common);
+  arete::tools::add_view(app, common);
   arete::tools::add_compress(app, common);
   arete::tools::add_decompress(app, common);
   arete::tools::add_tin(app, common);

@@ -13,6 +13,7 @@ void add_learn(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_amplify(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_compare(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common);
+void add_view(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_demo(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_compress(CLI::App& app, std::shared_ptr<CommonOptions> common);
 void add_decompress(CLI::App& app, std::shared_ptr<CommonOptions> common);

@@ -1,0 +1,142 @@
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include <fmt/format.h>
+
+#include "gis/alignment.h"
+#include "gis/colour_ramp.h"
+#include "gis/geodesy.h"
+#include "gis/image.h"
+#include "shaders/terrain_window.h"
+#include "tools/command.h"
+#include "tools/dem_options.h"
+#include "tools/elevation_input.h"
+#include "tools/verbs.h"
+
+namespace arete::tools {
+namespace {
+
+struct ViewArguments {
+  std::string input, other, ramp = "land";
+  DemReadOptions dem;
+  double exaggeration = 0, look_from_deg = 200, pitch_deg = 35, field_of_view_deg = 30, max_error_px = 2, close_after_s = 0;
+};
+
+SceneOptions scene_options(const ViewArguments& arguments, const CommonOptions& common) {
+  SceneOptions options;
+  options.exaggeration = arguments.exaggeration;
+  options.threads = common.threads;
+  options.memory_bytes = common.memory_bytes / (arguments.other.empty() ? 2 : 4);
+  options.detail.max_error_px = arguments.max_error_px;
+  const ColourRamp ramp = named_ramp(arguments.ramp);
+  for (int i = 0; i < 1024; ++i) {
+    const Colour colour = ramp.at(i / 1023.0);
+    options.ramp.push_back({colour[0], colour[1], colour[2]});
+  }
+  return options;
+}
+
+/// From the middle of the first cell of one to that of the other: metres east and north. Throws Error{input} where they share no ground.
+Point3 offset_between(const ViewArguments& arguments, const ElevationInput& a, const ElevationInput& b) {
+  if (!a.geo.transform || !b.geo.transform) return {0, 0, 0};
+  const std::string both = "'" + arguments.input + "' and '" + arguments.other + "'";
+  if (!a.geo.crs_wkt.empty() && !b.geo.crs_wkt.empty() && !same_horizontal_crs(a.geo.crs_wkt, b.geo.crs_wkt))
+    throw Error(ErrorKind::input, both + " are in different coordinate systems: reproject one of them (gdalwarp -t_srs)");
+  const auto &p = *a.geo.transform, &q = *b.geo.transform;
+  const CellSize cell = cell_size(a.geo, a.source->size());
+  const double middle_x = q[0] + q[1] / 2 - p[0] - p[1] / 2, middle_y = q[3] + q[5] / 2 - p[3] - p[5] / 2;
+  const double columns = middle_x / p[1], rows = middle_y / p[5];
+  const double columns_of_b = std::abs(q[1] / p[1]) * static_cast<double>(b.source->size().width);
+  const double rows_of_b = std::abs(q[5] / p[5]) * static_cast<double>(b.source->size().height);
+  if (columns >= static_cast<double>(a.source->size().width) || rows >= static_cast<double>(a.source->size().height) || columns + columns_of_b <= 0 ||
+      rows + rows_of_b <= 0)
+    throw Error(ErrorKind::input, both + " share no ground; OTHER must be of the same place");
+  return {columns * cell.x_m, -rows * cell.y_m, 0};
+}
+
+/// The first name IN-view-N.png of the working folder that is free.
+std::string free_name(const std::string& input) {
+  const std::string stem = std::filesystem::path(input).stem().string();
+  for (int n = 1;; ++n) {
+    const std::string name = fmt::format("{}-view-{}.png", stem, n);
+    if (!std::filesystem::exists(name)) return name;
+  }
+}
+
+void save_picture(const Frame& frame, const std::string& input, const CommonOptions& common) {
+  Picture picture(frame.size.width, frame.size.height);
+  std::memcpy(picture.data(), frame.rgba.data(), frame.rgba.size());
+  // A disk that is full is no reason to close the window.
+  try {
+    const std::string name = free_name(input);
+    write_picture(name, picture);
+    if (!common.quiet) std::fprintf(stderr, "%s\n", name.c_str());
+  } catch (const Error& error) {
+    std::fprintf(stderr, "arete view: %s\n", error.what());
+  }
+}
+
+void run_view(const ViewArguments& arguments, const CommonOptions& common) {
+  require_display();
+  const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads);
+  ElevationInput other;
+  ViewedTerrains terrains;
+  if (!arguments.other.empty()) {
+    other = open_elevations(arguments.other, arguments.dem, common.threads);
+    terrains.offset_m = offset_between(arguments, input, other);
+  }
+  SceneOptions options = scene_options(arguments, common);
+  std::unique_ptr<TerrainRenderer> first, second;
+  {
+    const auto progress = make_progress(common);
+    first = std::make_unique<TerrainRenderer>(*input.source, cell_size(input.geo, input.source->size()), options, *progress);
+    if (other.source) {
+      // The same height has the same colour in both.
+      options.ramp_range_m = {first->facts().ramp_low_m, first->facts().ramp_high_m};
+      options.exaggeration = first->facts().exaggeration;
+      second = std::make_unique<TerrainRenderer>(*other.source, cell_size(other.geo, other.source->size()), options, *progress);
+    }
+  }
+  terrains.first = first.get();
+  terrains.second = second.get();
+
+  WindowOptions window;
+  window.title = "arete view " + arguments.input + (arguments.other.empty() ? "" : " | " + arguments.other);
+  window.look_from_deg = arguments.look_from_deg;
+  window.pitch_deg = arguments.pitch_deg;
+  window.field_of_view_deg = arguments.field_of_view_deg;
+  window.close_after_s = arguments.close_after_s;
+  window.save = [&](const Frame& frame) { save_picture(frame, arguments.input, common); };
+  window.say = [](const std::string& text) { std::fputs(text.c_str(), stderr); };
+  if (!common.quiet) std::fputs("arete view: H prints the keys\n", stderr);
+  const WindowReport report = run_terrain_window(terrains, window);
+  print_result(common, fmt::format("{} pictures drawn, {} saved, by {}\n", report.frames, report.pictures, first->driver()),
+               {{"frames", report.frames}, {"pictures", report.pictures}, {"renderer", first->driver()}});
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, std::shared_ptr<CommonOptions> common) {
+  const auto arguments = std::make_shared<ViewArguments>();
+  CLI::App* verb = add_verb(app, "view", "Show a DEM, or two of the same ground, in a window: turn, zoom, fly, swipe",
+                            "arete view dem.tif\narete view truth.tif finer.tif", common, [arguments, common] { run_view(*arguments, *common); });
+  verb->add_option("IN", arguments->input, "The DEM or tree (.sct); H in the window prints its keys")->required();
+  verb->add_option("OTHER", arguments->other, "Another of the same ground: drag the divider, Tab changes how both are shown");
+  verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
+  verb->add_option("--exaggeration", arguments->exaggeration, "Heights are multiplied by this at first (default: by the steepness of the terrain)")
+      ->check(above_zero());
+  verb->add_option("--look-from", arguments->look_from_deg, "The camera stands in this direction at first, degrees clockwise from north (default: 200)")
+      ->check(CLI::Range(0.0, 360.0));
+  verb->add_option("--pitch", arguments->pitch_deg, "It stands so many degrees above the middle at first (default: 35)")->check(CLI::Range(1.0, 90.0));
+  verb->add_option("--fov", arguments->field_of_view_deg, "Vertical field of view in degrees (default: 30)")->check(CLI::Range(1.0, 120.0));
+  verb->add_option("--pixel-error", arguments->max_error_px, "Heights are drawn to so many pixels (default: 2)")->check(above_zero());
+  verb->add_option("--close-after", arguments->close_after_s, "Close the window after so many seconds, for demonstrations and tests (default: never)")
+      ->check(above_zero());
+  add_dem_options(verb, arguments->dem);
+}
+
+}  // namespace arete::tools
