@@ -81,7 +81,7 @@ struct Session {
   bool resets = false, flying = false, timing = false, repeated = false;
   bool changed = true, uncovered = false, wants_picture = false, wants_keys = false;
   Hand hand = Hand::none;
-  double x = 0, y = 0;  // of the cursor
+  double x = 0, y = 0;  // of the cursor, by its events: where it is now may be later than the button
 };
 
 Session& session_of(GLFWwindow* window) { return *static_cast<Session*>(glfwGetWindowUserPointer(window)); }
@@ -204,7 +204,6 @@ void on_button(GLFWwindow* window, int button, int action, int mods) {
   Session& s = session_of(window);
   s.hand = Hand::none;
   if (action != GLFW_PRESS) return;
-  glfwGetCursorPos(window, &s.x, &s.y);
   const bool both = s.terrains.second != nullptr && s.scene.layout == ViewLayout::swipe;
   if (button != GLFW_MOUSE_BUTTON_LEFT) s.hand = Hand::pan;
   else if (both && std::abs(s.x - s.scene.divider * window_extent(s).width) < 8) s.hand = Hand::divider;
@@ -426,6 +425,7 @@ WindowReport run_terrain_window(const ViewedTerrains& terrains, const WindowOpti
   session.scene.layout = terrains.second == nullptr ? ViewLayout::first : ViewLayout::swipe;
   session.scene.camera = first_camera(session);
   if (terrains.second != nullptr) terrains.second->relight(session.exaggeration, options.sun.azimuth_deg, options.sun.elevation_deg);
+  glfwGetCursorPos(session.window, &session.x, &session.y);
   listen(session.window, session);
   Loop loop(session);
   return loop.run();
