@@ -8,7 +8,9 @@
 #include "core/support/parallel.h"
 #include "core/terrain/hillshade.h"
 #include "core/terrain/overview.h"
+#include "core/terrain/sea.h"
 #include "core/terrain/slope.h"
+#include "core/terrain/statistics.h"
 #include "gis/colour_ramp.h"
 #include "gis/legend.h"
 
@@ -45,35 +47,14 @@ Layout plan(Size size, CellSize cell, std::int64_t width) {
 struct Ground {
   Overview overview;
   CellSize cell;
-  std::vector<char> water;
+  Raster<std::uint8_t> water;
 };
-
-/// Water is dead flat: a cell whose eight neighbours have its height, and what touches such a cell at the same height.
-std::vector<char> find_water(RasterView<const float> cells) {
-  const auto flat = [&](std::int64_t x, std::int64_t y) {
-    const float z = cells(x, y);
-    if (!(z <= 0)) return false;
-    for (std::int64_t j = std::max<std::int64_t>(0, y - 1); j <= std::min(cells.height - 1, y + 1); ++j)
-      for (std::int64_t i = std::max<std::int64_t>(0, x - 1); i <= std::min(cells.width - 1, x + 1); ++i)
-        if (cells(i, j) != z) return false;
-    return true;
-  };
-  std::vector<char> water(static_cast<std::size_t>(cells.size().cells()));
-  for (std::int64_t y = 0; y < cells.height; ++y)
-    for (std::int64_t x = 0; x < cells.width; ++x) {
-      if (!flat(x, y)) continue;
-      for (std::int64_t j = std::max<std::int64_t>(0, y - 1); j <= std::min(cells.height - 1, y + 1); ++j)
-        for (std::int64_t i = std::max<std::int64_t>(0, x - 1); i <= std::min(cells.width - 1, x + 1); ++i)
-          water[static_cast<std::size_t>(j * cells.width + i)] = 1;
-    }
-  return water;
-}
 
 Ground survey_blocks(const RasterSource& source, CellSize cell, std::int64_t across, std::int64_t down, int threads, Progress& progress) {
   Ground ground;
   ground.overview = make_overview(source, across, down, threads, progress);
   ground.cell = {cell.x_m * static_cast<double>(across), cell.y_m * static_cast<double>(down)};
-  ground.water = find_water(ground.overview.cells.view());
+  ground.water = find_sea(ground.overview.cells.view());
   return ground;
 }
 
@@ -84,12 +65,6 @@ Ground survey(const RasterSource& source, CellSize cell, Size pixels, int thread
   return survey_blocks(source, cell, across, down, threads, progress);
 }
 
-double percentile(std::vector<float>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return static_cast<double>(*at);
-}
-
 /// What the panels of a picture share.
 struct Scale {
   double low = 0, high = 1;            // of the colours
@@ -98,23 +73,19 @@ struct Scale {
   bool voids = false, water = false;
 };
 
-double exaggeration_for(const std::vector<Ground>& grounds) {
+double exaggeration_of(const std::vector<Ground>& grounds) {
   double steepest = 0;
   for (const Ground& ground : grounds) {
     const RasterView<const float> cells = ground.overview.cells.view();
     std::vector<float> slopes;
     for (std::int64_t y = 0; y < cells.height; ++y)
       for (std::int64_t x = 0; x < cells.width; ++x) {
-        if (ground.water[static_cast<std::size_t>(y * cells.width + x)]) continue;
+        if (ground.water(x, y)) continue;
         if (const auto g = horn_gradient(cells, x, y, ground.cell)) slopes.push_back(static_cast<float>(std::hypot(g->east, g->north)));
       }
     if (!slopes.empty()) steepest = std::max(steepest, percentile(slopes, 0.9));
   }
-  const double wanted = steepest > 0 ? std::tan(M_PI / 6) / steepest : 1;
-  double chosen = 1;
-  for (const double step : {1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0})
-    if (step <= wanted) chosen = step;
-  return chosen;
+  return exaggeration_for(steepest, 30, 12);
 }
 
 Scale common_scale(const std::vector<Ground>& grounds, double exaggeration) {
@@ -126,7 +97,7 @@ Scale common_scale(const std::vector<Ground>& grounds, double exaggeration) {
     for (std::int64_t i = 0; i < overview.cells.size().cells(); ++i) {
       const float z = overview.cells.data()[i];
       scale.voids |= is_void(z);
-      if (ground.water[static_cast<std::size_t>(i)])
+      if (ground.water.data()[i])
         scale.water = true;
       else if (!is_void(z))
         land.push_back(z);
@@ -137,7 +108,7 @@ Scale common_scale(const std::vector<Ground>& grounds, double exaggeration) {
   scale.high_m = low <= high ? high : std::nan("");
   scale.low = land.empty() ? scale.low_m : percentile(land, 0.001);
   scale.high = land.empty() ? scale.high_m : percentile(land, 0.999);
-  scale.exaggeration = exaggeration > 0 ? exaggeration : exaggeration_for(grounds);
+  scale.exaggeration = exaggeration > 0 ? exaggeration : exaggeration_of(grounds);
   return scale;
 }
 
@@ -198,7 +169,7 @@ Picture paint_relief(const Ground& ground, const Scale& scale, const ReliefOptio
   return paint(ground, light_of(ground, scale.exaggeration, options), 1, options.threads, [&](std::int64_t i) {
     const float z = ground.overview.cells.data()[i];
     if (is_void(z)) return void_colour;
-    if (ground.water[static_cast<std::size_t>(i)]) return water_colour;
+    if (ground.water.data()[i]) return water_colour;
     return ramp.at((static_cast<double>(z) - scale.low) / span);
   });
 }

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "core/support/parallel.h"
+#include "core/terrain/sea.h"
 
 namespace arete {
 namespace {
@@ -25,18 +26,13 @@ float overview_height(const Overview& overview, std::int64_t x, std::int64_t y) 
 /// Cells read with a halo that stops at the border of the raster.
 struct Neighbourhood {
   Raster<float> cells;
+  Raster<std::uint8_t> sea;
   std::int64_t x = 0, y = 0;  // of the first cell
 
   template <typename Visit>
   void around(std::int64_t cx, std::int64_t cy, const Visit& visit) const {
     for (std::int64_t j = std::max(cy - 1, y); j <= std::min(cy + 1, y + cells.height() - 1); ++j)
-      for (std::int64_t i = std::max(cx - 1, x); i <= std::min(cx + 1, x + cells.width() - 1); ++i) visit(i, j, cells(i - x, j - y));
-  }
-  bool flat(std::int64_t cx, std::int64_t cy) const {
-    const float z = cells(cx - x, cy - y);
-    bool same = z <= 0;
-    if (same) around(cx, cy, [&](std::int64_t, std::int64_t, float other) { same &= other == z; });
-    return same;
+      for (std::int64_t i = std::max(cx - 1, x); i <= std::min(cx + 1, x + cells.width() - 1); ++i) visit(cells(i - x, j - y));
   }
 };
 
@@ -46,16 +42,13 @@ TerrainSample describe(const Neighbourhood& near, const Overview& overview, std:
   if (is_void(sample.height)) {
     double sum = 0;
     int count = 0;
-    near.around(x, y, [&](std::int64_t, std::int64_t, float z) {
+    near.around(x, y, [&](float z) {
       if (!is_void(z)) sum += z, ++count;
     });
     sample.height = count > 0 ? static_cast<float>(sum / count) : overview_height(overview, x, y);
     sample.valid = 0;
-  } else if (sample.height <= 0) {
-    near.around(x, y, [&](std::int64_t i, std::int64_t j, float z) {
-      if (z == sample.height && near.flat(i, j)) sample.water = 1;
-    });
   }
+  sample.water = near.sea(x - near.x, y - near.y);
   sample.smooth = sample.height;
   return sample;
 }
@@ -133,6 +126,7 @@ void SamplePyramid::read_source(const Window& window, RasterView<TerrainSample> 
   const Window read{near.x, near.y, inside(window.x + window.width + 1, all.width) + 1 - near.x, inside(window.y + window.height + 1, all.height) + 1 - near.y};
   near.cells = Raster<float>(read.width, read.height);
   source_.read(read, near.cells.view());
+  near.sea = find_sea(near.cells.view());
   for (std::int64_t y = 0; y < window.height; ++y)
     for (std::int64_t x = 0; x < window.width; ++x)
       out(x, y) = describe(near, overview_, inside(window.x + x, all.width), inside(window.y + y, all.height));

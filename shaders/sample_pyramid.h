@@ -22,7 +22,7 @@ struct TerrainSample {
 ///
 /// A void sample has the mean height of its valid neighbours (of eight), else the height of the overview there, which must be
 /// without voids: it depends on the sample alone, never on the window.
-/// Water: a sample at or below 0 m whose eight neighbours have its height, and every sample beside one at that height.
+/// Water: find_sea (core/terrain/sea.h).
 class SamplePyramid {
  public:
   /// The source and the overview must outlive the pyramid. Reads the source once, by windows.

@@ -7,27 +7,13 @@
 
 #include "core/support/error.h"
 #include "core/terrain/fill_voids.h"
+#include "core/terrain/slope.h"
+#include "core/terrain/statistics.h"
 
 namespace arete {
 namespace {
 
 constexpr std::int64_t longest_overview = 1024;
-
-double percentile(std::vector<float>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
-  std::nth_element(values.begin(), at, values.end());
-  return static_cast<double>(*at);
-}
-
-/// As much as makes the steepest tenth of gentle terrain look like 20 degrees.
-double exaggeration_for(std::vector<float>& slopes) {
-  const double steepest = slopes.empty() ? 0 : percentile(slopes, 0.9);
-  const double wanted = steepest > 0 ? std::tan(M_PI / 9) / steepest : 1;
-  double chosen = 1;
-  for (const double step : {1.5, 2.0, 3.0, 4.0, 5.0, 6.0})
-    if (step <= wanted) chosen = step;
-  return chosen;
-}
 
 /// Looks at the level that is about as large as the overview.
 SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& overview) {
@@ -55,7 +41,8 @@ SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& o
   facts.high_m = overview.high_m;
   facts.ramp_low_m = land.empty() ? facts.low_m : percentile(land, 0.001);
   facts.ramp_high_m = land.empty() ? facts.high_m : percentile(land, 0.999);
-  facts.exaggeration = exaggeration_for(slopes);
+  // The steepest tenth of gentle terrain looks like 20 degrees.
+  if (!slopes.empty()) facts.exaggeration = exaggeration_for(percentile(slopes, 0.9), 20, 6);
   return facts;
 }
 

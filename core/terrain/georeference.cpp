@@ -2,6 +2,12 @@
 
 namespace arete {
 
+std::array<double, 2> cell_at(const std::array<double, 6>& transform, double x, double y) {
+  const auto& t = transform;
+  const double determinant = t[1] * t[5] - t[2] * t[4], dx = x - t[0], dy = y - t[3];
+  return {(dx * t[5] - dy * t[2]) / determinant, (dy * t[1] - dx * t[4]) / determinant};
+}
+
 GeoReference refine(const GeoReference& geo, int factor) {
   GeoReference finer = geo;
   if (finer.transform)

@@ -30,6 +30,9 @@ struct CellSize {
   double y_m = 1;
 };
 
+/// Column and row (fractions, from the outer corner of the first cell) of a place (x, y), by a transform whose cells have an area.
+std::array<double, 2> cell_at(const std::array<double, 6>& transform, double x, double y);
+
 /// The same extent, exactly, with cells `factor` times smaller.
 GeoReference refine(const GeoReference& geo, int factor);
 /// The same origin with cells `factor` times larger.

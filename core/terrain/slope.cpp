@@ -1,5 +1,6 @@
 #include "core/terrain/slope.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <numbers>
@@ -79,6 +80,14 @@ std::optional<Gradient> horn_gradient(RasterView<const float> cells, std::int64_
                                      difference(z[2][2], z[1][2], z[0][2]));
   if (std::isnan(east) || std::isnan(north)) return std::nullopt;
   return Gradient{east / cell.x_m, north / cell.y_m};
+}
+
+double exaggeration_for(double slope, double looks_like_deg, double most) {
+  const double wanted = slope > 0 ? std::tan(looks_like_deg / degrees_per_radian) / slope : 1;
+  double chosen = 1;
+  for (const double step : {1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0})
+    if (step <= std::min(wanted, most)) chosen = step;
+  return chosen;
 }
 
 void slope(RasterView<const float> cells, const Window& part, CellSize cell, RasterView<float> out, int threads) {

@@ -29,6 +29,10 @@ std::optional<Gradient> horn_gradient(RasterView<const float> cells, std::int64_
 /// As horn_gradient, but nullopt wherever one of the nine cells is missing: for metrics, where each cell must mean the same.
 std::optional<Gradient> complete_gradient(RasterView<const float> cells, std::int64_t x, std::int64_t y, CellSize cell);
 
+/// By how much, as a round number from 1 to `most`, heights are exaggerated so that a slope (metres per metre) looks like so many degrees at most; 1 for
+/// steeper ones.
+double exaggeration_for(double slope, double looks_like_deg, double most);
+
 /// Slope in degrees of every cell of `part`, which lies inside `cells`; give one cell of halo around it where the terrain goes on.
 /// `out` has the size of `part`; NaN where horn_gradient has no value. threads: 0, one per core.
 void slope(RasterView<const float> cells, const Window& part, CellSize cell, RasterView<float> out, int threads = 0);

@@ -72,4 +72,10 @@ ElevationStatistics elevation_statistics(const RasterSource& source, Progress& p
   return result;
 }
 
+double percentile(std::vector<float>& values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1) + 0.5);
+  std::nth_element(values.begin(), at, values.end());
+  return static_cast<double>(*at);
+}
+
 }  // namespace arete

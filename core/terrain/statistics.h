@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "core/support/progress.h"
 #include "core/terrain/raster_io.h"
@@ -22,5 +23,8 @@ struct ElevationStatistics {
 /// the raster. Each strip's mean and squares are taken in two passes in double and joined in order (Chan, Golub & LeVeque 1983), so
 /// that a large mean costs no digits. Throws what `source` throws; progress counts cells.
 ElevationStatistics elevation_statistics(const RasterSource& source, Progress& progress);
+
+/// The value below which that share (0 to 1) of the values lies, to the nearest of them. At least one value; changes their order.
+double percentile(std::vector<float>& values, double share);
 
 }  // namespace arete

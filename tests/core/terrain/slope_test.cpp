@@ -84,5 +84,13 @@ TEST(Slope, OfAPlaneIsItsAngleForAnyThreadCount) {
   }
 }
 
+TEST(ExaggerationFor, MakesGentleSlopesVisibleAndLeavesMountains) {
+  EXPECT_EQ(exaggeration_for(0.6, 30, 12), 1);
+  EXPECT_EQ(exaggeration_for(0.1, 30, 12), 5);   // tan 30 is 0.577
+  EXPECT_EQ(exaggeration_for(0.001, 30, 12), 12);
+  EXPECT_EQ(exaggeration_for(0.001, 20, 6), 6);
+  EXPECT_EQ(exaggeration_for(0, 30, 12), 1);
+}
+
 }  // namespace
 }  // namespace arete

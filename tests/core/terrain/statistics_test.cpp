@@ -44,5 +44,14 @@ TEST(ElevationStatistics, OfNothingButVoidsAreZero) {
   EXPECT_EQ(s.highest, 0);
 }
 
+TEST(Percentile, IsTheNearestValue) {
+  std::vector<float> values = {9, 1, 5, 3, 7};
+  EXPECT_EQ(percentile(values, 0), 1);
+  EXPECT_EQ(percentile(values, 0.5), 5);
+  EXPECT_EQ(percentile(values, 0.6), 5);
+  EXPECT_EQ(percentile(values, 0.7), 7);
+  EXPECT_EQ(percentile(values, 1), 9);
+}
+
 }  // namespace
 }  // namespace arete
