@@ -109,4 +109,25 @@ Alignment align_grids(const Placed& reference, const Placed& result) {
   return alignment;
 }
 
+std::array<double, 6> place_in_cells(const Placed& reference, const Placed& other) {
+  const auto fail = [&](const std::string& why) {
+    throw Error(ErrorKind::input, "cannot lay '" + other.name + "' over '" + reference.name + "': " + why);
+  };
+  const std::string &a = reference.geo.crs_wkt, &b = other.geo.crs_wkt;
+  if (!a.empty() && !b.empty() && !same_horizontal_crs(a, b))
+    fail("they lie in different coordinate systems; bring one into that of the other (gdalwarp -t_srs)");
+  if (!reference.geo.transform || !other.geo.transform) {
+    if (reference.size != other.size) fail("one has no georeference, and they are not of the same size");
+    return {0, 1, 0, 0, 0, 1};
+  }
+  const auto cell = [&](double x, double y) { return to_reference_cells(*reference.geo.transform, *other.geo.transform, x, y); };
+  const double width = static_cast<double>(other.size.width), height = static_cast<double>(other.size.height);
+  double west = INFINITY, east = -INFINITY, north = INFINITY, south = -INFINITY;
+  for (const auto& [column, row] : {cell(0, 0), cell(width, 0), cell(0, height), cell(width, height)})
+    west = std::min(west, column), east = std::max(east, column), north = std::min(north, row), south = std::max(south, row);
+  if (!(west < static_cast<double>(reference.size.width) && east > 0 && north < static_cast<double>(reference.size.height) && south > 0)) fail("they share no ground");
+  const auto origin = cell(0, 0), right = cell(width, 0), below = cell(0, height);
+  return {origin[0], (right[0] - origin[0]) / width, (below[0] - origin[0]) / height, origin[1], (right[1] - origin[1]) / width, (below[1] - origin[1]) / height};
+}
+
 }  // namespace arete

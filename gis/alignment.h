@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,11 @@ struct Alignment {
 /// raster without transform to lie cell on cell, if it has the same size. Notes say so.
 /// Throws Error{input} otherwise, one line that names both and points to --resample.
 Alignment align_grids(const Placed& reference, const Placed& result);
+
+/// Where the cells of another raster lie among those of a reference, at any size and turn: column = p[0] + x p[1] + y p[2], row = p[3] + x p[4] + y p[5], from the
+/// outer corners of the first cells. Rasters without transform lie cell on cell, if they have the same size; one without CRS is taken to be in the other's.
+/// Throws Error{input}, one line that names both, where their CRS differ or they share no ground.
+std::array<double, 6> place_in_cells(const Placed& reference, const Placed& other);
 
 /// True where both CRS (WKT) describe the same horizontal coordinates; names and vertical parts do not count. Not empty.
 bool same_horizontal_crs(const std::string& a, const std::string& b);

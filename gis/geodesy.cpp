@@ -49,8 +49,14 @@ CellSize cell_size(const GeoReference& geo, Size size) {
   return {length(t[1], t[4]), length(t[2], t[5])};
 }
 
-double ground_distance(const GeoReference& geo, const std::array<double, 2>& from, const std::array<double, 2>& to) {
-  return ground_of(geo).distance(from[0], from[1], to[0], to[1]);
+std::vector<double> distances_along(const GeoReference& geo, const std::vector<std::array<double, 2>>& places) {
+  const Ground ground = ground_of(geo);
+  std::vector<double> distances(places.size(), 0.0);
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    const auto &from = places[i - 1], &to = places[i];
+    distances[i] = distances[i - 1] + ground.distance(from[0], from[1], to[0], to[1]);
+  }
+  return distances;
 }
 
 }  // namespace arete

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "core/terrain/georeference.h"
 
@@ -11,8 +12,8 @@ namespace arete {
 /// No CRS: the transform's own numbers, taken as metres; no transform: 1 m.
 CellSize cell_size(const GeoReference& geo, Size size);
 
-/// The distance on the ground between two places (x, y) in the CRS of a raster, metres: along the geodesic in a geographic CRS, straight in others, as
-/// cell_size.
-double ground_distance(const GeoReference& geo, const std::array<double, 2>& from, const std::array<double, 2>& to);
+/// Distances on the ground from the first of these places (x, y in the CRS of a raster) along the others, metres: on geodesics in a geographic CRS, straight in
+/// others, as cell_size.
+std::vector<double> distances_along(const GeoReference& geo, const std::vector<std::array<double, 2>>& places);
 
 }  // namespace arete

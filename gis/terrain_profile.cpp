@@ -22,11 +22,6 @@ std::array<double, 2> place_of(const Transform& t, double column, double row) {
   return {t[0] + column * t[1] + row * t[2], t[3] + column * t[4] + row * t[5]};
 }
 
-std::array<double, 2> cell_of(const Transform& t, const std::array<double, 2>& place) {
-  const double determinant = t[1] * t[5] - t[2] * t[4], x = place[0] - t[0], y = place[1] - t[3];
-  return {(x * t[5] - y * t[2]) / determinant, (y * t[1] - x * t[4]) / determinant};
-}
-
 constexpr Colour paper = {255, 255, 255, 255}, ink = {38, 40, 44, 255}, grid = {226, 228, 232, 255};
 
 void mix(Colour& pixel, Colour colour, double share) {
@@ -141,21 +136,20 @@ MapLine middle_line(const GeoReference& geo, Size size) {
 std::vector<ProfilePoint> sample_profile(const RasterSource& source, const GeoReference& geo, const MapLine& line) {
   constexpr std::int64_t most = 20000;
   const Transform t = transform_of(geo);
-  const std::array<double, 2> from = cell_of(t, line.from), to = cell_of(t, line.to);
+  const std::array<double, 2> from = cell_at(t, line.from[0], line.from[1]), to = cell_at(t, line.to[0], line.to[1]);
   const double cells = std::hypot(to[0] - from[0], to[1] - from[1]);
   if (!std::isfinite(cells) || cells == 0) throw Error(ErrorKind::usage, "a profile needs a line between two different places");
   const std::int64_t steps = std::clamp<std::int64_t>(static_cast<std::int64_t>(std::min(1e9, std::ceil(2 * cells))), 2, most - 1);
   SurfaceSampler surface(source);
   std::vector<ProfilePoint> points;
-  double distance = 0;
-  std::array<double, 2> last = line.from;
+  std::vector<std::array<double, 2>> places;
   for (std::int64_t i = 0; i <= steps; ++i) {
     const double share = static_cast<double>(i) / static_cast<double>(steps);
-    const std::array<double, 2> place{std::lerp(line.from[0], line.to[0], share), std::lerp(line.from[1], line.to[1], share)};
-    distance += ground_distance(geo, last, place);
-    last = place;
-    points.push_back({distance, surface.at(std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)).elevation_m});
+    places.push_back({std::lerp(line.from[0], line.to[0], share), std::lerp(line.from[1], line.to[1], share)});
+    points.push_back({0, surface.at(std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)).elevation_m});
   }
+  const std::vector<double> distances = distances_along(geo, places);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].distance_m = distances[i];
   return points;
 }
 

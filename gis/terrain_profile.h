@@ -26,7 +26,7 @@ struct ProfilePoint {
 };
 
 /// What lies under a line, from its start to its end, at least twice per cell: elevations of the smooth surface through the cells (core/terrain/surface.h),
-/// distances as ground_distance, added up. At most 20,000 points: a longer line is sampled more coarsely.
+/// distances as distances_along (geodesy.h). At most 20,000 points: a longer line is sampled more coarsely.
 /// Throws Error{usage} where the line has no length or is not finite.
 std::vector<ProfilePoint> sample_profile(const RasterSource& source, const GeoReference& geo, const MapLine& line);
 

@@ -5,7 +5,6 @@
 #include <cctype>
 #include <cmath>
 #include <filesystem>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -45,15 +44,6 @@ Affine after(const Affine& outer, const Affine& inner) {
   return result;
 }
 
-std::optional<Affine> inverse(const Affine& a) {
-  const double det = a[1] * a[5] - a[2] * a[4];
-  if (det == 0 || !std::isfinite(det)) return std::nullopt;
-  Affine b = {0, a[5] / det, -a[2] / det, 0, -a[4] / det, a[1] / det};
-  b[0] = -(b[1] * a[0] + b[2] * a[3]);
-  b[3] = -(b[4] * a[0] + b[5] * a[3]);
-  return b;
-}
-
 Ground open_ground(const std::string& path, const PageArguments& arguments, const CommonOptions& common) {
   if (is_mesh_file(path))
     throw Error(ErrorKind::format, fmt::format("cannot show '{}' on a page: it is a mesh, and pages are made of DEMs; draw it as a picture (.png), or give the DEM",
@@ -62,34 +52,6 @@ Ground open_ground(const std::string& path, const PageArguments& arguments, cons
   ground.cell = cell_size(ground.dem.geo, ground.dem.source->size());
   ground.placement = {0, ground.cell.x_m, 0, 0, 0, ground.cell.y_m};
   return ground;
-}
-
-/// Places `other` in the plane of `first` by the georeferences of both.
-void place_beside(const Ground& first, Ground& other) {
-  const GeoReference &a = first.dem.geo, &b = other.dem.geo;
-  const auto refuse = [&](const std::string& reason) {
-    throw Error(ErrorKind::input, fmt::format("cannot compare '{}' with '{}': {}", first.path, other.path, reason));
-  };
-  if (!a.crs_wkt.empty() && !b.crs_wkt.empty() && !same_horizontal_crs(a.crs_wkt, b.crs_wkt))
-    refuse("they lie in different coordinate systems; bring one into that of the other (gdalwarp -t_srs)");
-  const Size here = first.dem.source->size(), there = other.dem.source->size();
-  if (!a.transform || !b.transform) {
-    if (here != there) refuse("one has no georeference, and they are not of the same size");
-    other.placement = first.placement;
-    return;
-  }
-  const std::optional<Affine> to_cells = inverse(*a.transform);
-  if (!to_cells) refuse("the georeference of the first cannot be inverted");
-  const Affine in_cells = after(*to_cells, *b.transform);
-  double west = INFINITY, east = -INFINITY, north = INFINITY, south = -INFINITY;
-  for (const double x : {0.0, static_cast<double>(there.width)})
-    for (const double y : {0.0, static_cast<double>(there.height)}) {
-      const double column = in_cells[0] + x * in_cells[1] + y * in_cells[2], row = in_cells[3] + x * in_cells[4] + y * in_cells[5];
-      west = std::min(west, column), east = std::max(east, column), north = std::min(north, row), south = std::max(south, row);
-    }
-  if (!(west < static_cast<double>(here.width) && east > 0 && north < static_cast<double>(here.height) && south > 0))
-    refuse("they share no ground");
-  other.placement = after(first.placement, in_cells);
 }
 
 std::string plain_metres(double value, double span) { return fmt::format("{:.{}f}", value, span >= 20 ? 0 : span >= 2 ? 1 : 2); }
@@ -140,7 +102,8 @@ void write_preview_page(const PageArguments& arguments, const CommonOptions& com
   grounds.push_back(open_ground(arguments.input, arguments, common));
   if (!arguments.compare.empty()) {
     grounds.push_back(open_ground(arguments.compare, arguments, common));
-    place_beside(grounds[0], grounds[1]);
+    const auto placed = [](const Ground& ground) { return Placed{ground.path, ground.dem.geo, ground.dem.source->size()}; };
+    grounds[1].placement = after(grounds[0].placement, place_in_cells(placed(grounds[0]), placed(grounds[1])));
   }
   const auto progress = make_progress(common);
   const std::int64_t samples = arguments.relief.width > 0 ? arguments.relief.width : default_samples;

@@ -87,12 +87,8 @@ std::vector<Place> cells_of(std::vector<Place> places, const GeoReference& geo, 
   }
   if (arguments.lonlat) places = from_longitude_latitude(places, geo.crs_wkt, arguments.input);
   const auto& t = *geo.transform;
-  const double determinant = t[1] * t[5] - t[2] * t[4];
-  if (determinant == 0) throw Error(ErrorKind::input, "'" + arguments.input + "' has a transform that cannot be inverted");
-  for (Place& place : places) {
-    const double x = place[0] - t[0], y = place[1] - t[3];
-    place = {(t[5] * x - t[2] * y) / determinant, (t[1] * y - t[4] * x) / determinant};
-  }
+  if (t[1] * t[5] == t[2] * t[4]) throw Error(ErrorKind::input, "'" + arguments.input + "' has a transform that cannot be inverted");
+  for (Place& place : places) place = cell_at(t, place[0], place[1]);
   return places;
 }
 

@@ -94,5 +94,33 @@ TEST(SameHorizontalCrs, IgnoresNamesAndTheVerticalPart) {
   EXPECT_FALSE(same_horizontal_crs(wkt(4326), wkt(32632)));
 }
 
+TEST(PlaceInCells, FollowsSizeAndPlace) {
+  const Placed a = placed("a.tif", 600000, 5200000, 10, {100, 80}, wkt(32632)), b = placed("b.tif", 600050, 5199980, 2.5, {40, 40}, wkt(32632));
+  EXPECT_EQ(place_in_cells(a, a), (std::array<double, 6>{0, 1, 0, 0, 0, 1}));
+  EXPECT_EQ(place_in_cells(a, b), (std::array<double, 6>{5, 0.25, 0, 2, 0, 0.25}));
+  Placed turned = b;
+  turned.geo.transform = {600050, 0, 2.5, 5199980, -2.5, 0};  // its columns run south, its rows east
+  EXPECT_EQ(place_in_cells(a, turned), (std::array<double, 6>{5, 0, 0.25, 2, 0.25, 0}));
+}
+
+TEST(PlaceInCells, RefusesOtherGround) {
+  const Placed a = placed("a.tif", 600000, 5200000, 10, {100, 80}, wkt(32632));
+  const auto refused = [&](const Placed& b) {
+    try {
+      place_in_cells(a, b);
+    } catch (const Error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refused(placed("b.tif", 601000, 5200000, 10, {100, 80}, wkt(32632))).find("share no ground"), std::string::npos);
+  EXPECT_NE(refused(placed("b.tif", 600000, 5200000, 10, {100, 80}, wkt(32633))).find("different coordinate systems"), std::string::npos);
+  Placed bare = placed("b.tif", 0, 0, 1, {100, 80}, "");
+  bare.geo.transform.reset();
+  EXPECT_EQ(refused(bare), "");
+  bare.size = {100, 81};
+  EXPECT_NE(refused(bare).find("not of the same size"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace arete

@@ -48,7 +48,7 @@ TEST(TerrainProfile, DistancesInDegreesAreGeodesic) {
   const std::vector<ProfilePoint> points = sample_profile(ViewSource(cells.view()), geo, {{10.5, 60}, {10.5, 59}});
   // One degree of the meridian of WGS 84 from 59 to 60 north.
   EXPECT_NEAR(points.back().distance_m, 111403.6, 1);
-  EXPECT_NEAR(ground_distance(geo, {10, 60}, {11, 60}), 55800.3, 1);
+  EXPECT_NEAR(distances_along(geo, {{10, 60}, {11, 60}}).back(), 55800.3, 1);
 }
 
 TEST(TerrainProfile, IsVoidWhereTheRasterIsOrEnds) {
