@@ -243,7 +243,7 @@ Tin make_tin(const RasterSource& raster, const TinOptions& given, Progress& prog
     double share;  // of the bound
     double longest_cells;
   };
-  for (const Reserve& kept : {Reserve{1.0 / 16, any_length}, {0.25, any_length}, {0.5, 64}, {0.5, 8}, {0.5, 1}}) {
+  for (const Reserve& kept : {Reserve{1.0 / 16, any_length}, {0.25, 64}, {0.5, 8}, {0.5, 1}}) {
     try {
       return mesh_tiles(raster, options, {moved.any() ? (1 - kept.share) * options.max_error_m : 0, kept.longest_cells}, progress);
     } catch (const TooSteep&) {
