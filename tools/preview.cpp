@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gis/colour_ramp.h"
@@ -20,6 +21,9 @@
 namespace arete::tools {
 namespace {
 
+/// What a picture can be: a view, or a page.
+enum Kind : unsigned { top = 1, perspective = 2, profile = 4, page = 8 };
+
 struct PreviewArguments {
   std::string input, output, compare, view = "top", ramp = "land", azimuth = "multi";
   std::vector<double> line;
@@ -28,7 +32,23 @@ struct PreviewArguments {
   bool no_legend = false, no_wireframe = false, terrain_rgb = false;
   int band = 1;
   PerspectiveArguments perspective;
+  std::vector<std::pair<const CLI::Option*, unsigned>> options;  ///< and the kinds that take them
+
+  Kind kind() const { return is_page(output) ? page : view == "profile" ? profile : view == "perspective" ? Kind::perspective : top; }
 };
+
+std::string name_of(Kind kind) { return kind == page ? "pages (.html)" : kind == profile ? "--view profile" : kind == perspective ? "--view perspective" : "--view top"; }
+
+/// Throws Error{usage} where an option is given that this picture does not take.
+void check_options(const PreviewArguments& arguments) {
+  for (const auto& [option, kinds] : arguments.options) {
+    if (option->count() == 0 || (kinds & arguments.kind()) != 0) continue;
+    std::string takers;
+    for (const Kind kind : {top, perspective, profile, page})
+      if ((kinds & kind) != 0) takers += (takers.empty() ? "" : ", ") + name_of(kind);
+    throw Error(ErrorKind::usage, option->get_name() + " is not for " + name_of(arguments.kind()) + ", but for " + takers);
+  }
+}
 
 std::optional<double> parse_azimuth(const std::string& text) {
   if (text == "multi") return std::nullopt;
@@ -75,8 +95,8 @@ Relief draw_mesh_file(const PreviewArguments& arguments, const ReliefOptions& re
 }
 
 void run_preview(const PreviewArguments& arguments, const CommonOptions& common) {
-  if (!arguments.line.empty() && arguments.view != "profile") throw Error(ErrorKind::usage, "--line is of --view profile");
-  if (arguments.view == "profile") {
+  check_options(arguments);
+  if (arguments.kind() == profile) {
     if (is_mesh_file(arguments.input)) throw Error(ErrorKind::usage, "profiles are drawn of DEMs and trees, not of meshes: '" + arguments.input + "'");
     return run_preview_profile({arguments.input, arguments.output, arguments.ramp, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, arguments.line,
                                 arguments.width, arguments.exaggeration}, common);
@@ -88,19 +108,17 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
   options.azimuth_deg = parse_azimuth(arguments.azimuth);
   options.legend = !arguments.no_legend;
   options.threads = common.threads;
-  if (is_page(arguments.output)) {
+  if (arguments.kind() == page) {
     write_preview_page({.input = arguments.input, .output = arguments.output, .compare = arguments.compare,
                         .reading = {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, .relief = options, .legend = options.legend},
                        common);
     return;
   }
-  if (!arguments.compare.empty())
-    throw Error(ErrorKind::usage, "--compare shows two DEMs on a page, but '" + arguments.output + "' is a picture: let the output end in .html");
   check_picture_path(arguments.output, common.overwrite);
   if (options.legend && find_font().empty())
     warn(common, "no font found, the legend is left out: install fonts-dejavu-core or set ARETE_FONT");
 
-  if (arguments.view == "perspective") return draw_perspective(perspective_of(arguments), common);
+  if (arguments.kind() == perspective) return draw_perspective(perspective_of(arguments), common);
 
   const auto progress = make_progress(common);
   const Relief relief = is_mesh_file(arguments.input) ? draw_mesh_file(arguments, options, common, *progress) : draw_dem(arguments, options, *progress);
@@ -131,23 +149,27 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
                             common, [arguments, common] { run_preview(*arguments, *common); });
   verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens; a tree (.sct); or a mesh (.ply...)")->required();
   verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr; or a page for a browser that needs no network: .html")->required();
-  verb->add_option("--compare", arguments->compare, "Page: another DEM of the same ground, right of a divider that can be moved");
-  verb->add_option("--view", arguments->view, "What is drawn: 'top', the map (default); 'perspective', the terrain as a camera sees it; or 'profile', the elevations under a line")
+  const auto of = [arguments](CLI::Option* option, unsigned kinds) {
+    arguments->options.emplace_back(option, kinds);
+    return option;
+  };
+  of(verb->add_option("--compare", arguments->compare, "Page: another DEM of the same ground, right of a divider that can be moved"), page);
+  of(verb->add_option("--view", arguments->view, "What is drawn: 'top', the map (default); 'perspective', the terrain as a camera sees it; or 'profile', the elevations under a line"), top | perspective | profile)
       ->check(CLI::IsMember({"top", "perspective", "profile"}));
-  verb->add_option("--line", arguments->line, "Where the profile runs, X1,Y1,X2,Y2 in the CRS of the DEM (default: through the middle, from left to right)")
+  of(verb->add_option("--line", arguments->line, "Where the profile runs, X1,Y1,X2,Y2 in the CRS of the DEM (default: through the middle, from left to right)"), profile)
       ->delimiter(',')
       ->expected(4);
-  add_perspective_options(verb, arguments->perspective);
+  for (CLI::Option* option : add_perspective_options(verb, arguments->perspective)) of(option, perspective);
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
-  verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048). Page: samples along the longest side (default: 1280)")
+  of(verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048). Page: samples along the longest side (default: 1280)"), top | profile | page)
       ->check(CLI::Range(16, 20000));
   verb->add_option("--exaggeration", arguments->exaggeration,
                    "Heights for the light, of a profile, in perspective and on a page at first are multiplied by this (default: by the steepness of the terrain; a profile: "
                    "what fills the drawing)")
       ->check(above_zero());
-  verb->add_option("--azimuth", arguments->azimuth, "Light: 'multi' for four about the north-west (default), or one from so many degrees");
-  verb->add_flag("--no-legend", arguments->no_legend, "The map alone");
-  verb->add_flag("--no-wireframe", arguments->no_wireframe, "The relief of a mesh without the sides of its triangles");
+  of(verb->add_option("--azimuth", arguments->azimuth, "Light: 'multi' for four about the north-west (default), or one from so many degrees"), top | perspective | page);
+  of(verb->add_flag("--no-legend", arguments->no_legend, "The picture alone"), top | perspective | page);
+  of(verb->add_flag("--no-wireframe", arguments->no_wireframe, "The relief of a mesh without the sides of its triangles"), top);
   verb->add_option("--band", arguments->band, "Band, counted from 1 (default: 1)")->check(CLI::PositiveNumber);
   verb->add_flag("--terrain-rgb", arguments->terrain_rgb, "The input is a Mapbox terrain-RGB picture");
 }

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <vector>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "gis/image.h"
 #include "gis/legend.h"
 #include "shaders/terrain_renderer.h"
+#include "tools/drawn_terrain.h"
 #include "tools/elevation_input.h"
 
 namespace arete::tools {
@@ -89,51 +89,40 @@ Picture add_legend(const Picture& view, const SceneFacts& facts, const std::stri
   return sheet;
 }
 
-SceneOptions scene_options(const PerspectiveArguments& arguments, const CommonOptions& common) {
-  SceneOptions options;
-  options.exaggeration = arguments.exaggeration;
-  options.sun_azimuth_deg = arguments.sun_azimuth_deg;
-  options.supersampling = 2;
-  options.threads = common.threads;
-  options.memory_bytes = common.memory_bytes / 2;
-  options.detail.max_error_px = arguments.max_error_px;
-  const ColourRamp ramp = named_ramp(arguments.ramp);
-  for (int i = 0; i < 1024; ++i) {
-    const Colour colour = ramp.at(i / 1023.0);
-    options.ramp.push_back({colour[0], colour[1], colour[2]});
-  }
-  return options;
-}
-
 }  // namespace
 
-void add_perspective_options(CLI::App* verb, PerspectiveArguments& arguments) {
-  verb->add_option("--look-from", arguments.look_from_deg, "Perspective: the camera stands in this direction, degrees clockwise from north (default: 200)")
-      ->check(CLI::Range(0.0, 360.0));
-  verb->add_option("--pitch", arguments.pitch_deg, "Perspective: it stands so many degrees above the middle, 90 is from straight above (default: 35)")
-      ->check(CLI::Range(1.0, 90.0));
-  verb->add_option("--distance", arguments.distance_m, "Perspective: metres from the middle (default: so that all is seen)")->check(above_zero());
-  verb->add_option("--fov", arguments.field_of_view_deg, "Perspective: vertical field of view in degrees (default: 30)")->check(CLI::Range(1.0, 120.0));
-  verb->add_option("--size", arguments.size, "Perspective: WIDTHxHEIGHT in pixels (default: 1920x1080)");
-  verb->add_option("--style", arguments.mode, "Perspective: lit, wireframe, or levels, a colour for each level of detail (default: lit)")
-      ->check(CLI::IsMember({"lit", "wireframe", "levels"}));
-  verb->add_option("--pixel-error", arguments.max_error_px, "Perspective: heights are drawn to so many pixels (default: 2)")->check(above_zero());
+std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArguments& arguments) {
+  return {
+      verb->add_option("--look-from", arguments.look_from_deg, "Perspective: the camera stands in this direction, degrees clockwise from north (default: 200)")
+          ->check(CLI::Range(0.0, 360.0)),
+      verb->add_option("--pitch", arguments.pitch_deg, "Perspective: it stands so many degrees above the middle, 90 is from straight above (default: 35)")
+          ->check(CLI::Range(1.0, 90.0)),
+      verb->add_option("--distance", arguments.distance_m, "Perspective: metres from the middle (default: so that all is seen)")->check(above_zero()),
+      verb->add_option("--fov", arguments.field_of_view_deg, "Perspective: vertical field of view in degrees (default: 30)")->check(CLI::Range(1.0, 120.0)),
+      verb->add_option("--size", arguments.size, "Perspective: WIDTHxHEIGHT in pixels (default: 1920x1080)"),
+      verb->add_option("--style", arguments.mode, "Perspective: lit, wireframe, or levels, a colour for each level of detail (default: lit)")
+          ->check(CLI::IsMember({"lit", "wireframe", "levels"})),
+      verb->add_option("--pixel-error", arguments.max_error_px, "Perspective: heights are drawn to so many pixels (default: 2)")->check(above_zero()),
+  };
 }
 
 void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common) {
   const Size size = parse_size(arguments.size);
   const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads);
   const auto progress = make_progress(common);
-  TerrainRenderer renderer(*input.source, cell_size(input.geo, input.source->size()), scene_options(arguments, common), *progress);
+  SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 2);
+  scene.sun_azimuth_deg = arguments.sun_azimuth_deg;
+  scene.supersampling = 2;
+  TerrainRenderer renderer(*input.source, cell_size(input.geo, input.source->size()), scene, *progress);
   const Camera camera = frame_box(renderer.box(), arguments.look_from_deg, arguments.pitch_deg, arguments.field_of_view_deg,
                                   static_cast<double>(size.width) / static_cast<double>(size.height), arguments.distance_m);
   const Frame frame = renderer.draw(camera, size, mode_of(arguments.mode));
 
-  Picture picture(size.width, size.height);
-  std::memcpy(picture.data(), frame.rgba.data(), frame.rgba.size());
+  Picture picture = picture_of(frame);
   if (arguments.legend) {
     draw_north(picture, camera);
-    if (!find_font().empty()) picture = add_legend(picture, renderer.facts(), arguments.ramp);
+    // Levels have colours of their own.
+    if (arguments.mode != "levels" && !find_font().empty()) picture = add_legend(picture, renderer.facts(), arguments.ramp);
   }
   write_picture(arguments.output, picture, common.overwrite);
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "gis/dem_file.h"
 #include "tools/command.h"
@@ -21,8 +22,8 @@ struct PerspectiveArguments {
   double max_error_px = 2;
 };
 
-/// Adds the options of this view to the verb.
-void add_perspective_options(CLI::App* verb, PerspectiveArguments& arguments);
+/// Adds the options of this view to the verb, and returns them.
+std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArguments& arguments);
 
 /// Draws the picture and prints the result. Throws as DemReader, TerrainRenderer and write_picture do.
 void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common);

@@ -1,6 +1,4 @@
-#include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -14,6 +12,7 @@
 #include "shaders/terrain_window.h"
 #include "tools/command.h"
 #include "tools/dem_options.h"
+#include "tools/drawn_terrain.h"
 #include "tools/elevation_input.h"
 #include "tools/verbs.h"
 
@@ -26,36 +25,12 @@ struct ViewArguments {
   double exaggeration = 0, look_from_deg = 200, pitch_deg = 35, field_of_view_deg = 30, max_error_px = 2, close_after_s = 0;
 };
 
-SceneOptions scene_options(const ViewArguments& arguments, const CommonOptions& common) {
-  SceneOptions options;
-  options.exaggeration = arguments.exaggeration;
-  options.threads = common.threads;
-  options.memory_bytes = common.memory_bytes / (arguments.other.empty() ? 2 : 4);
-  options.detail.max_error_px = arguments.max_error_px;
-  const ColourRamp ramp = named_ramp(arguments.ramp);
-  for (int i = 0; i < 1024; ++i) {
-    const Colour colour = ramp.at(i / 1023.0);
-    options.ramp.push_back({colour[0], colour[1], colour[2]});
-  }
-  return options;
-}
-
-/// From the middle of the first cell of one to that of the other: metres east and north. Throws Error{input} where they share no ground.
+/// From the middle of the first cell of one to that of the other: metres east and north. Throws as place_in_cells.
 Point3 offset_between(const ViewArguments& arguments, const ElevationInput& a, const ElevationInput& b) {
-  if (!a.geo.transform || !b.geo.transform) return {0, 0, 0};
-  const std::string both = "'" + arguments.input + "' and '" + arguments.other + "'";
-  if (!a.geo.crs_wkt.empty() && !b.geo.crs_wkt.empty() && !same_horizontal_crs(a.geo.crs_wkt, b.geo.crs_wkt))
-    throw Error(ErrorKind::input, both + " are in different coordinate systems: reproject one of them (gdalwarp -t_srs)");
-  const auto &p = *a.geo.transform, &q = *b.geo.transform;
+  const auto p = place_in_cells({arguments.input, a.geo, a.source->size()}, {arguments.other, b.geo, b.source->size()});
   const CellSize cell = cell_size(a.geo, a.source->size());
-  const double middle_x = q[0] + q[1] / 2 - p[0] - p[1] / 2, middle_y = q[3] + q[5] / 2 - p[3] - p[5] / 2;
-  const double columns = middle_x / p[1], rows = middle_y / p[5];
-  const double columns_of_b = std::abs(q[1] / p[1]) * static_cast<double>(b.source->size().width);
-  const double rows_of_b = std::abs(q[5] / p[5]) * static_cast<double>(b.source->size().height);
-  if (columns >= static_cast<double>(a.source->size().width) || rows >= static_cast<double>(a.source->size().height) || columns + columns_of_b <= 0 ||
-      rows + rows_of_b <= 0)
-    throw Error(ErrorKind::input, both + " share no ground; OTHER must be of the same place");
-  return {columns * cell.x_m, -rows * cell.y_m, 0};
+  const double column = p[0] + (p[1] + p[2]) / 2 - 0.5, row = p[3] + (p[4] + p[5]) / 2 - 0.5;
+  return {column * cell.x_m, -row * cell.y_m, 0};
 }
 
 /// The first name IN-view-N.png of the working folder that is free.
@@ -68,12 +43,10 @@ std::string free_name(const std::string& input) {
 }
 
 void save_picture(const Frame& frame, const std::string& input, const CommonOptions& common) {
-  Picture picture(frame.size.width, frame.size.height);
-  std::memcpy(picture.data(), frame.rgba.data(), frame.rgba.size());
   // A disk that is full is no reason to close the window.
   try {
     const std::string name = free_name(input);
-    write_picture(name, picture);
+    write_picture(name, picture_of(frame));
     if (!common.quiet) std::fprintf(stderr, "%s\n", name.c_str());
   } catch (const Error& error) {
     std::fprintf(stderr, "arete view: %s\n", error.what());
@@ -89,7 +62,7 @@ void run_view(const ViewArguments& arguments, const CommonOptions& common) {
     other = open_elevations(arguments.other, arguments.dem, common.threads);
     terrains.offset_m = offset_between(arguments, input, other);
   }
-  SceneOptions options = scene_options(arguments, common);
+  SceneOptions options = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, arguments.other.empty() ? 2 : 4);
   std::unique_ptr<TerrainRenderer> first, second;
   {
     const auto progress = make_progress(common);

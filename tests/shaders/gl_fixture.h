@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstdlib>
 #include <memory>
 #include <string>
 
@@ -11,17 +10,14 @@
 #include "core/synthesis/mountains.h"
 #include "shaders/gl_context.h"
 #include "shaders/terrain_renderer.h"
+#include "tests/shaders/mesa.h"
 
 namespace arete {
 
-/// Skips where OpenGL is missing. Mesa's rasteriser is held to vectors that it draws reliably with (512 bits crash Mesa 22.3), and writes no
-/// cache to the home folder.
+/// Skips where OpenGL is missing.
 class GlFixture : public testing::Test {
  protected:
-  static void SetUpTestSuite() {
-    setenv("LP_NATIVE_VECTOR_WIDTH", "256", 0);
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 0);
-  }
+  static void SetUpTestSuite() { hold_mesa_still(); }
   void SetUp() override {
     std::string reason;
     if (!have_gl(&reason)) GTEST_SKIP() << reason;

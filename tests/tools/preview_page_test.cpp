@@ -107,7 +107,7 @@ TEST_F(PreviewPage, RefusesWhatItCannotShowInOneLineAndWritesNothing) {
   refused(a + " " + path("x.html") + " --compare " + away, 3, "share no ground");
   refused(a + " " + path("x.html") + " --compare " + zone, 3, "different coordinate systems");
   refused(a + " " + path("x.html") + " --compare " + path("none.tif"), 3, "none.tif");
-  refused(a + " " + path("x.png") + " --compare " + a, 2, "let the output end in .html");
+  refused(a + " " + path("x.png") + " --compare " + a, 2, "--compare is not for --view top, but for pages (.html)");
   refused(path("a.ply") + " " + path("x.html"), 4, "it is a mesh");
   refused(a + " " + path("none/x.html"), 5, "none");
   std::ofstream(path("mine.html")) << "mine";

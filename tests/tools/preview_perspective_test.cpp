@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gis/image.h"
+#include "tests/shaders/mesa.h"
 #include "tests/tools/verb_fixture.h"
 
 namespace arete {
@@ -15,8 +16,7 @@ class PreviewPerspective : public VerbFixture {
  protected:
   void SetUp() override {
     VerbFixture::SetUp();
-    setenv("LP_NATIVE_VECTOR_WIDTH", "256", 1);
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+    hold_mesa_still();
     dem_ = write_mountains("dem.tif", {150, 120});
     const Outcome outcome = draw("probe.png", "");
     if (outcome.code == 3 && outcome.err.find("OpenGL") != std::string::npos) GTEST_SKIP() << outcome.err;

@@ -96,6 +96,20 @@ TEST_F(PreviewVerb, DrawsEveryAwkwardFile) {
   EXPECT_GE(drawn, 9);
 }
 
+TEST_F(PreviewVerb, RefusesOptionsOfOtherViews) {
+  const auto refused = [&](const std::string& output, const std::string& options, const std::string& said) {
+    EXPECT_EQ(preview(path("hill.asc") + " " + path(output) + " " + options), 2) << options;
+    EXPECT_NE(text("err").find(said), std::string::npos) << text("err");
+    EXPECT_FALSE(fs::exists(path(output)));
+  };
+  refused("a.png", "--size 100x100", "--size is not for --view top, but for --view perspective");
+  refused("a.png", "--view profile --pitch 20", "--pitch is not for --view profile");
+  refused("a.png", "--view perspective --width 300", "--width is not for --view perspective");
+  refused("a.png", "--compare " + path("hill.asc"), "--compare is not for --view top, but for pages (.html)");
+  refused("a.html", "--view perspective", "--view is not for pages (.html)");
+  refused("a.html", "--no-wireframe", "--no-wireframe is not for pages (.html), but for --view top");
+}
+
 TEST_F(PreviewVerb, DrawsATree) {
   ASSERT_EQ(WEXITSTATUS(std::system((std::string(ARETE_TOOL) + " compress " + path("hill.asc") + " " + path("hill.sct") + " --lossless --quiet > " + path("out")).c_str())), 0);
   EXPECT_EQ(preview(path("hill.sct") + " " + path("tree.png")), 0) << text("err");

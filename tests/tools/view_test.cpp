@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "gis/image.h"
+#include "tests/shaders/mesa.h"
 #include "tests/tools/verb_fixture.h"
 
 namespace arete {
@@ -17,8 +18,7 @@ class View : public VerbFixture {
  protected:
   void SetUp() override {
     VerbFixture::SetUp();
-    setenv("LP_NATIVE_VECTOR_WIDTH", "256", 1);
-    setenv("MESA_SHADER_CACHE_DISABLE", "true", 1);
+    hold_mesa_still();
     dem_ = write_mountains("dem.tif", {150, 120});
   }
 

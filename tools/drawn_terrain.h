@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+#include "gis/image.h"
+#include "shaders/terrain_renderer.h"
+#include "tools/command.h"
+
+namespace arete::tools {
+
+/// A scene in the colours of a ramp (gis/colour_ramp.h), within the verb's memory divided by `share`, on its threads.
+SceneOptions scene_options(const std::string& ramp, double exaggeration, double max_error_px, const CommonOptions& common, int share);
+
+Picture picture_of(const Frame& frame);
+
+}  // namespace arete::tools
