@@ -19,7 +19,7 @@ enum class DrawMode {
   lit,        ///< colours of heights under sun, sky and haze
   wireframe,  ///< the same with the sides of its triangles
   levels,     ///< a colour for each level of the quadtree
-  coverage,   ///< white where there is terrain, transparent black elsewhere; one sample per pixel
+  coverage,   ///< white where there is terrain, transparent black elsewhere; as one sample of each pixel shows it
 };
 
 /// A picture with what it took.
