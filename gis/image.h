@@ -34,8 +34,8 @@ class Picture {
 /// opacity; EXR takes half floats of linear light. The file appears under its name only when it is whole (a temporary name beside
 /// it, flushed, renamed). Same picture, same bytes.
 /// Throws Error{disk} where the file exists (unless `overwrite`), its folder is missing or cannot be written, or the disk fails;
-/// Error{format} where no writer knows the extension.
-void write_picture(const std::string& path, const Picture& picture, bool overwrite = false);
+/// Error{format} where no writer knows the extension. `jpeg_quality`: 1 to 100, of JPEG.
+void write_picture(const std::string& path, const Picture& picture, bool overwrite = false, int jpeg_quality = 98);
 
 /// Writes one channel of 16 bits, under the same rules (PNG, TIFF).
 void write_grey16(const std::string& path, RasterView<const std::uint16_t> cells, bool overwrite = false);
