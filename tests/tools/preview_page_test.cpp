@@ -256,6 +256,19 @@ TEST_F(PreviewPageInABrowser, WithoutWebGlOneSentenceSaysSo) {
   expect_no_network(result);
 }
 
+TEST_F(PreviewPageInABrowser, TheReportOfADemoHoldsItInAFrame) {
+  const std::string dem = write_mountains("a.tif", {240, 120}, 1);
+  ASSERT_EQ(run("demo " + dem + " " + path("out") + " --factor 3 --atoms 32").code, 0);
+  const auto result = browse(path("out/index.html"));
+  ASSERT_EQ(result["before"]["state"], "ready") << result;
+  EXPECT_THAT(result["before"]["labels"][0].get<std::string>(), HasSubstr("input.tif"));
+  EXPECT_THAT(result["before"]["labels"][1].get<std::string>(), HasSubstr("detail-1.tif"));
+  EXPECT_LT(result["scrolled"]["by"].get<double>(), 0);
+  expect_same_view(result["scrolled"], result["before"]);
+  EXPECT_LT(number(result["clicked"]["distance"]), number(result["before"]["distance"]));
+  expect_no_network(result);
+}
+
 TEST_F(PreviewPageInABrowser, NothingButVoidsIsSaid) {
   GeoReference geo;
   geo.transform = {500000, 30, 0, 4600000, 0, -30};
