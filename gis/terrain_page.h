@@ -33,7 +33,7 @@ struct TerrainPage {
 
 /// One HTML file that needs no other file and no network: heights as pack_heights makes them, pictures as JPEG, and three.js with its
 /// licence. It opens from a disk, or within a frame, and needs a browser with WebGL 2 and DecompressionStream (Chromium 80, Firefox 113, Safari
-/// 16.4 or later); it says so where one is missing. About 0.3 MB, 0.3 to 1.3 bytes a cell, and the pictures. The same page, the same bytes.
+/// 16.4 or later); it says so where one is missing. About 0.3 MB, a byte a cell, and the pictures. The same page, the same bytes.
 /// All texts are plain text, in UTF-8. Throws Error{disk} as StagedFiles.
 void write_terrain_page(const std::string& path, const TerrainPage& page, bool overwrite = false);
 

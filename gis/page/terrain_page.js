@@ -179,7 +179,10 @@ function round125(value) {
   return (value >= 5 * power ? 5 : value >= 2 * power ? 2 : 1) * power;
 }
 const number = (value, decimals) => value.toLocaleString('en-GB', { minimumFractionDigits: decimals, maximumFractionDigits: decimals }).replace('-', '\u2212');
-const metres = value => number(value, highest - lowest >= 20 ? 0 : highest - lowest >= 2 ? 1 : 2) + ' m';
+function metres(value) {
+  const decimals = highest - lowest >= 20 ? 0 : highest - lowest >= 2 ? 1 : 2;
+  return number(+value.toFixed(decimals) + 0, decimals) + ' m';  // + 0: no minus before 0
+}
 const distance = value => value >= 1000 ? number(value / 1000, 0) + ' km' : String(+value.toPrecision(3)) + ' m';
 
 async function start() {
@@ -263,7 +266,7 @@ async function start() {
   function showScale(height) {
     if (!page.metric) return;
     const perPixel = metresPerPixel(height);
-    const length = round125((size()[0] > 760 ? 110 : 62) * perPixel);
+    const length = round125((size()[0] > 760 ? 100 : 54) * perPixel);
     element('bar').style.width = length / perPixel + 'px';
     element('bar-text').textContent = distance(length) + ' at the centre';
   }
@@ -300,13 +303,17 @@ async function start() {
     tilt = 48 * Math.PI / 180;
     const up = [Math.sin(tilt), Math.cos(tilt)];  // of a step up, over the window, and towards the camera
     const box = corners.flatMap(([x, y]) => [common.base.value, top].map(z => [x, z, y]));
-    const shareX = halfView * width / height * (width > 760 ? 0.9 : 0.96), shareY = halfView * (width > 760 ? 0.84 : 0.66);
+    // The room that the cards leave: above the controls, on a phone below the names and above the legend too.
+    const phone = width <= 760, edge = (id, side) => element(id).getBoundingClientRect()[side];
+    const roof = 1 - 2 * Math.min(0.35, (phone ? Math.max(edge('label-0', 'bottom'), edge('label-1', 'bottom')) + 12 : 24) / height);
+    const floor = 1 - 2 * Math.max(0.65, (edge(phone ? 'foot' : 'controls', 'top') - 12) / height);
+    const share = (roof - floor) / 2, centre = (roof + floor) / 2, shareX = halfView * width / height * (phone ? 0.96 : 0.9);
     restingHeight = top / 2;
-    for (let round = 0; round < 8; ++round) {
+    for (let round = 0; round < 12; ++round) {
       const seen = box.map(([x, z, y]) => [x, (z - restingHeight) * up[0] - y * up[1], (z - restingHeight) * up[1] + y * up[0]]);
-      away = Math.max(...seen.map(([x, y, near]) => near + Math.max(Math.abs(x) / shareX, Math.abs(y) / shareY)));
+      away = Math.max(...seen.map(([x, y, near]) => near + Math.max(Math.abs(x) / shareX, y / (halfView * (share + centre)), -y / (halfView * (share - centre)))));
       const heights = seen.map(([x, y, near]) => y / (away - near));
-      restingHeight += (Math.max(...heights) + Math.min(...heights)) / 2 * away / up[0];
+      restingHeight += ((Math.max(...heights) + Math.min(...heights)) / 2 - halfView * centre) * away / up[0];
     }
     target.set(0, restingHeight, 0);
     draw();
@@ -499,6 +506,7 @@ async function start() {
   element('accuracy').textContent = terrains.filter(t => t.step > 0).map(t => `Heights of ${t.name} are kept in steps of ${+t.step.toPrecision(3)} m: none is off by more than ${+(t.step / 2).toPrecision(3)} m.`).join(' ');
   element('credit').textContent = page.credit;
   element('credit').hidden = !page.credit;
+  element('key').classList.toggle('credited', Boolean(page.credit));
   element('controls').addEventListener('submit', event => event.preventDefault());
   const divider = element('divider');
   divider.addEventListener('pointerdown', event => { divider.setPointerCapture(event.pointerId); event.preventDefault(); divider.focus(); });
