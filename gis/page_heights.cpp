@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gis/deflate.h"
+#include "core/support/deflate.h"
 
 namespace arete {
 namespace {
@@ -45,10 +45,10 @@ PageHeights quantise_heights(RasterView<const float> cells) {
   return heights;
 }
 
-std::string pack_heights(const PageHeights& heights) {
+std::vector<std::byte> pack_heights(const PageHeights& heights) {
   const auto width = static_cast<std::size_t>(heights.size.width), count = heights.steps.size();
   std::vector<std::int32_t> known(count);
-  std::string bytes(2 * count, '\0');
+  std::vector<std::byte> bytes(2 * count);
   for (std::size_t i = 0; i < count; ++i) {
     const bool west = i % width > 0, north = i >= width;
     std::int32_t foretold = (west ? known[i - 1] : 0) + (north ? known[i - width] : 0) - (west && north ? known[i - width - 1] : 0);
@@ -56,8 +56,8 @@ std::string pack_heights(const PageHeights& heights) {
     const bool is_known = heights.steps[i] != PageHeights::void_step;
     known[i] = is_known ? heights.steps[i] : foretold;
     const std::int32_t rest = known[i] - foretold, code = !is_known ? 0 : rest >= 0 ? 1 + 2 * rest : -2 * rest;
-    bytes[i] = static_cast<char>(code & 255);
-    bytes[count + i] = static_cast<char>(code >> 8);
+    bytes[i] = static_cast<std::byte>(code & 255);
+    bytes[count + i] = static_cast<std::byte>(code >> 8);
   }
   return deflate_bytes(bytes);
 }

@@ -1,7 +1,7 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include "core/terrain/raster.h"
@@ -29,6 +29,6 @@ PageHeights quantise_heights(RasterView<const float> cells);
 /// What a page holds of them: a zlib stream of 2 bytes a cell, first the lower bytes of all, then the upper. They make 0 where void, or 1 + 2r
 /// for r >= 0 and -2r for r < 0, where r is the step less what west + north - northwest foretells, within [0, max_step]: in the first row
 /// the cell to the west alone, in the first column the one to the north, 0 at first. A void cell counts as foretold for those after it.
-std::string pack_heights(const PageHeights& heights);
+std::vector<std::byte> pack_heights(const PageHeights& heights);
 
 }  // namespace arete

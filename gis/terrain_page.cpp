@@ -9,12 +9,13 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
 
+#include "core/support/deflate.h"
 #include "core/support/error.h"
-#include "gis/deflate.h"
 #include "gis/html_text.h"
 #include "gis/staged_files.h"
 
@@ -34,6 +35,8 @@ namespace {
 constexpr int jpeg_quality = 90;
 
 std::string_view between(const char* begin, const char* end) { return {begin, static_cast<std::size_t>(end - begin)}; }
+
+std::string base64_of(const std::vector<std::byte>& bytes) { return base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()}); }
 
 /// JSON that neither ends the script element that it stands in nor opens a comment there; bytes that are not UTF-8 become U+FFFD.
 std::string script_json(const nlohmann::json& data) {
@@ -103,11 +106,11 @@ void write_terrain_page(const std::string& path, const TerrainPage& page, bool o
     const PageTerrain& terrain = page.terrains[i];
     data["terrains"].push_back(describe(terrain));
     const std::string number = std::to_string(i);
-    elements += "<script type=\"text/plain\" id=\"heights-" + number + "\">" + base64(pack_heights(terrain.heights)) + "</script>\n";
+    elements += "<script type=\"text/plain\" id=\"heights-" + number + "\">" + base64_of(pack_heights(terrain.heights)) + "</script>\n";
     elements += "<img hidden alt=\"\" id=\"picture-" + number + "\" src=\"data:image/jpeg;base64," + base64(jpeg(terrain.picture, files)) + "\">\n";
   }
   const std::string title = escape_html(page.title), json = script_json(data), licence = escape_html(between(arete_page_licence, arete_page_licence_end));
-  const std::string three = base64(deflate_bytes(between(arete_page_three, arete_page_three_end)));
+  const std::string three = base64_of(deflate_bytes(std::as_bytes(std::span(arete_page_three, arete_page_three_end))));
   const std::string html = fill_in(between(arete_page_html, arete_page_html_end),
                                    {{"@TITLE@", title},
                                     {"@STYLE@", between(arete_page_css, arete_page_css_end)},

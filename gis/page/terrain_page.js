@@ -92,14 +92,16 @@ function walls(t, top) {
     corner(a, 0); corner(a, 1); corner(b, 0);
     corner(b, 0); corner(a, 1); corner(b, 1);
   };
+  // Whether the block has its four corners: else its sides are rims too.
+  const whole = [0, width - 1, (height - 1) * width, height * width - 1].every(i => steps[i] !== VOID);
   const valid = (x, y) => steps[y * width + x] !== VOID ? 1 : 0;
   // Whether triangles lie in the square whose upper left corner is that cell.
   const covered = (x, y) => x >= 0 && y >= 0 && x + 1 < width && y + 1 < height && valid(x, y) + valid(x + 1, y) + valid(x, y + 1) + valid(x + 1, y + 1) >= 3;
   for (let y = 0; y < height; ++y)
     for (let x = 0; x < width; ++x) {
       const a = y * width + x, b = a + 1, c = a + width, d = c + 1, here = covered(x, y);
-      if (x + 1 < width && valid(x, y) && valid(x + 1, y) && covered(x, y - 1) !== here) wall(a, b, y === 0 ? 0.93 : y + 1 === height ? 0.86 : 0);
-      if (y + 1 < height && valid(x, y) && valid(x, y + 1) && covered(x - 1, y) !== here) wall(a, c, x === 0 ? 1 : x + 1 === width ? 0.78 : 0);
+      if (x + 1 < width && valid(x, y) && valid(x + 1, y) && covered(x, y - 1) !== here) wall(a, b, whole && y === 0 ? 0.93 : whole && y + 1 === height ? 0.86 : 0);
+      if (y + 1 < height && valid(x, y) && valid(x, y + 1) && covered(x - 1, y) !== here) wall(a, c, whole && x === 0 ? 1 : whole && x + 1 === width ? 0.78 : 0);
       if (!here) continue;
       if (steps[a] === VOID || steps[d] === VOID) wall(b, c, 0);
       else if (steps[b] === VOID || steps[c] === VOID) wall(a, d, 0);
@@ -503,7 +505,9 @@ async function start() {
   element('help').textContent = matchMedia('(pointer: coarse)').matches ? 'One finger turns, two move and zoom, two taps show all'
     : framed ? 'Drag turns, right button or shift moves; after a click the wheel zooms' : 'Drag turns, right button or shift moves, wheel zooms';
   element('maker').textContent = 'Arete ' + page.version;
-  element('accuracy').textContent = terrains.filter(t => t.step > 0).map(t => `Heights of ${t.name} are kept in steps of ${+t.step.toPrecision(3)} m: none is off by more than ${+(t.step / 2).toPrecision(3)} m.`).join(' ');
+  const digits = value => String(+value.toPrecision(3));
+  element('accuracy').textContent = terrains.filter(t => t.step > 0).map(t =>
+    `Heights of ${t.name} are kept in steps of ${digits(t.step)} m: none is off by more than ${digits(t.step / 2)} m.`).join(' ');
   element('credit').textContent = page.credit;
   element('credit').hidden = !page.credit;
   element('key').classList.toggle('credited', Boolean(page.credit));

@@ -23,7 +23,7 @@ Raster<float> rough(std::int64_t width, std::int64_t height, double low, double 
 }
 
 /// The heights again, by zlib of GDAL and by what the header says of the bytes.
-std::vector<std::uint16_t> unpack(const std::string& stream, Size size) {
+std::vector<std::uint16_t> unpack(const std::vector<std::byte>& stream, Size size) {
   std::size_t bytes = 0;
   auto* data = static_cast<unsigned char*>(CPLZLibInflate(stream.data(), stream.size(), nullptr, 0, &bytes));
   const auto count = static_cast<std::size_t>(size.cells()), width = static_cast<std::size_t>(size.width);

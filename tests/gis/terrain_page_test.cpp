@@ -76,7 +76,8 @@ TEST_F(WriteTerrainPage, BytesThatAreNoUtf8DoNotSpoilThePage) {
 TEST_F(WriteTerrainPage, HoldsItsHeightsAndTheLicenceAndNamesNoAddressToLoadFrom) {
   write_terrain_page(path("a.html"), page_of("a"));
   const std::string html = read(path("a.html"));
-  EXPECT_EQ(content(html, "heights-0"), base64(pack_heights(page_of("a").terrains[0].heights)));
+  const std::vector<std::byte> packed = pack_heights(page_of("a").terrains[0].heights);
+  EXPECT_EQ(content(html, "heights-0"), base64({reinterpret_cast<const char*>(packed.data()), packed.size()}));
   EXPECT_EQ(content(html, "heights-1"), "");
   EXPECT_THAT(content(html, "three"), Not(HasSubstr(" ")));
   EXPECT_THAT(html, HasSubstr("Copyright (c) 2010-2019 three.js authors"));

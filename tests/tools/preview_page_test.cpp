@@ -110,6 +110,7 @@ TEST_F(PreviewPage, RefusesWhatItCannotShowInOneLineAndWritesNothing) {
   refused(a + " " + path("x.html") + " --compare " + zone, 3, "different coordinate systems");
   refused(a + " " + path("x.html") + " --compare " + path("none.tif"), 3, "none.tif");
   refused(a + " " + path("x.png") + " --compare " + a, 2, "--compare is not for --view top, but for pages (.html)");
+  refused(a + " " + path("x.png") + " --credit me", 2, "--credit is not for --view top, but for pages (.html)");
   refused(path("a.ply") + " " + path("x.html"), 4, "it is a mesh");
   refused(a + " " + path("none/x.html"), 5, "none");
   std::ofstream(path("mine.html")) << "mine";
@@ -128,7 +129,8 @@ class PreviewPageInABrowser : public PreviewPage {
   }
   nlohmann::json browse(const std::string& page, const std::string& flags = "") const {
     const std::string out = path("browsed.json");
-    const int status = std::system((ARETE_TEST_PYTHON " -B " ARETE_SOURCE_DIR "/tests/tools/browse_page.py " + browser_ + " " + page + " " + path("") + " " + flags + " > " + out).c_str());
+    const std::string program = ARETE_TEST_PYTHON " -B " ARETE_SOURCE_DIR "/tests/tools/browse_page.py ";
+    const int status = std::system((program + browser_ + " " + page + " " + path("") + " " + flags + " > " + out).c_str());
     EXPECT_EQ(status, 0);
     return status == 0 ? nlohmann::json::parse(read(out)) : nlohmann::json();
   }
