@@ -36,7 +36,7 @@ struct Neighbourhood {
   }
 };
 
-TerrainSample describe(const Neighbourhood& near, const Overview& overview, std::int64_t x, std::int64_t y) {
+TerrainSample describe(const Neighbourhood& near, const Overview& overview, int level, std::int64_t x, std::int64_t y) {
   TerrainSample sample;
   sample.height = near.cells(x - near.x, y - near.y);
   if (is_void(sample.height)) {
@@ -45,7 +45,7 @@ TerrainSample describe(const Neighbourhood& near, const Overview& overview, std:
     near.around(x, y, [&](float z) {
       if (!is_void(z)) sum += z, ++count;
     });
-    sample.height = count > 0 ? static_cast<float>(sum / count) : overview_height(overview, x, y);
+    sample.height = count > 0 ? static_cast<float>(sum / count) : overview_height(overview, x << level, y << level);
     sample.valid = 0;
   }
   sample.water = near.sea(x - near.x, y - near.y);
@@ -72,14 +72,23 @@ void halve(RasterView<const TerrainSample> from, RasterView<TerrainSample> out) 
 
 }  // namespace
 
-SamplePyramid::SamplePyramid(const RasterSource& source, const Overview& overview, std::int64_t memory_bytes, int threads, Progress& progress)
-    : source_(source), overview_(overview) {
+int measured_level(const RasterSource& source, std::int64_t measured_cells) {
+  const auto* levels = dynamic_cast<const LevelSource*>(&source);
+  int level = 0;
+  if (levels != nullptr)
+    while (level < levels->levels() && levels->level_size(level).cells() > measured_cells) ++level;
+  return level;
+}
+
+SamplePyramid::SamplePyramid(const RasterSource& source, const Overview& overview, std::int64_t memory_bytes, std::int64_t measured_cells, int threads, Progress& progress)
+    : source_(source), overview_(overview), base_(measured_level(source, measured_cells)) {
+  if (base_ > 0) levels_ = dynamic_cast<const LevelSource*>(&source);
   int count = 1;
-  while (size(count - 1).width > 17 || size(count - 1).height > 17) ++count;
+  while (count <= base_ || size(count - 1).width > 17 || size(count - 1).height > 17) ++count;
   kept_.resize(static_cast<std::size_t>(count));
   std::int64_t bytes = 0;
   int first = count - 1;
-  for (int level = count - 1; level >= 0; --level) {
+  for (int level = count - 1; level >= base_; --level) {
     bytes += size(level).cells() * static_cast<std::int64_t>(sizeof(TerrainSample));
     if (bytes <= memory_bytes) first = level;
   }
@@ -116,8 +125,9 @@ void SamplePyramid::read(int level, const Window& window, RasterView<TerrainSamp
       out(x, y) = kept(std::clamp<std::int64_t>(window.x + x, 0, kept.width() - 1), std::clamp<std::int64_t>(window.y + y, 0, kept.height() - 1));
 }
 
-void SamplePyramid::read_source(const Window& window, RasterView<TerrainSample> out) const {
-  const Size all = source_.size();
+void SamplePyramid::read_source(int level, const Window& window, RasterView<TerrainSample> out) const {
+  // A level of the source may lack the last row and column.
+  const Size all = levels_ != nullptr ? levels_->level_size(level) : source_.size();
   const auto inside = [](std::int64_t at, std::int64_t length) { return std::clamp<std::int64_t>(at, 0, length - 1); };
   // Neighbours, and their neighbours for water.
   Neighbourhood near;
@@ -125,15 +135,16 @@ void SamplePyramid::read_source(const Window& window, RasterView<TerrainSample> 
   near.y = inside(window.y - 2, all.height);
   const Window read{near.x, near.y, inside(window.x + window.width + 1, all.width) + 1 - near.x, inside(window.y + window.height + 1, all.height) + 1 - near.y};
   near.cells = Raster<float>(read.width, read.height);
-  source_.read(read, near.cells.view());
+  if (levels_ != nullptr) levels_->read_level(level, read, near.cells.view());
+  else source_.read(read, near.cells.view());
   near.sea = find_sea(near.cells.view());
   for (std::int64_t y = 0; y < window.height; ++y)
     for (std::int64_t x = 0; x < window.width; ++x)
-      out(x, y) = describe(near, overview_, inside(window.x + x, all.width), inside(window.y + y, all.height));
+      out(x, y) = describe(near, overview_, level, inside(window.x + x, all.width), inside(window.y + y, all.height));
 }
 
 void SamplePyramid::make(int level, const Window& window, RasterView<TerrainSample> out) const {
-  if (level == 0) return read_source(window, out);
+  if (level <= base_) return read_source(level, window, out);
   // The border is repeated on every level alike: samples inside come first, then those beyond are copies.
   const Size all = size(level);
   const std::int64_t x0 = std::clamp<std::int64_t>(window.x, 0, all.width - 1), x1 = std::clamp<std::int64_t>(window.x + window.width - 1, 0, all.width - 1);

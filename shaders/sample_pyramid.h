@@ -20,28 +20,38 @@ struct TerrainSample {
 /// A DEM at every power of two: sample i of level l is sample min(i 2^l, last) of the DEM, so that the last row and column are on all
 /// levels. Levels whose samples fit in the budget are kept in memory; finer ones are made from windows of the source when asked.
 ///
+/// Of a source that has levels itself (LevelSource) and more than `measured_cells` cells, the finest level with at most so many cells takes the place of the
+/// DEM: levels from there on are its samples, finer ones are read from the source's level when asked, with its heights, and nothing else of the source is.
+///
 /// A void sample has the mean height of its valid neighbours (of eight), else the height of the overview there, which must be
 /// without voids: it depends on the sample alone, never on the window.
 /// Water: find_sea (core/terrain/sea.h).
 class SamplePyramid {
  public:
-  /// The source and the overview must outlive the pyramid. Reads the source once, by windows.
-  SamplePyramid(const RasterSource& source, const Overview& overview, std::int64_t memory_bytes, int threads, Progress& progress);
+  /// The source and the overview must outlive the pyramid. Reads the source, or the level that takes its place, once, by windows.
+  SamplePyramid(const RasterSource& source, const Overview& overview, std::int64_t memory_bytes, std::int64_t measured_cells, int threads, Progress& progress);
 
   /// Samples of level l along each side: ceil((size - 1) / 2^l) + 1.
   Size size(int level) const;
   /// Levels 0..levels()-1; the last has 17 x 17 samples at most.
   int levels() const { return static_cast<int>(kept_.size()); }
+  /// Level that is read as a whole: 0 but for sources with levels.
+  int base() const { return base_; }
   /// Samples of a window of that level; outside the raster those of its border are repeated. Safe from several threads.
   void read(int level, const Window& window, RasterView<TerrainSample> out) const;
 
  private:
-  void read_source(const Window& window, RasterView<TerrainSample> out) const;
+  void read_source(int level, const Window& window, RasterView<TerrainSample> out) const;
   void make(int level, const Window& window, RasterView<TerrainSample> out) const;
 
   const RasterSource& source_;
+  const LevelSource* levels_ = nullptr;  // the source, where it has levels that are used
   const Overview& overview_;
+  int base_ = 0;
   std::vector<Raster<TerrainSample>> kept_;  // by level, empty where it is not kept
 };
+
+/// The finest level of a source with at most so many cells; 0 where it has no levels.
+int measured_level(const RasterSource& source, std::int64_t measured_cells);
 
 }  // namespace arete

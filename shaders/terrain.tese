@@ -13,16 +13,23 @@ uniform float base;              // height of the foot of the walls, in exaggera
 uniform mat4 projection;         // of positions from the eye
 
 patch in ivec4 node;
-patch in ivec2 side_and_number;
+patch in ivec3 side_number_above;
 
 flat out uint number;
 flat out int layer;
 out vec2 texel;          // 0..64 in the tile
 out vec3 sample_height;  // column, row, height, for transform feedback
 
+/// Whether a neighbour there is drawn from the next coarser level, which has other heights.
+bool from_above(int bits, ivec2 at) {
+  bool west = at.x == 0, north = at.y == 0, east = at.x == 16, south = at.y == 16;
+  return (bits & ((west ? 1 : 0) | (north ? 2 : 0) | (east ? 4 : 0) | (south ? 8 : 0) | (north && west ? 16 : 0) | (north && east ? 32 : 0) |
+                  (south && east ? 64 : 0) | (south && west ? 128 : 0))) != 0;
+}
+
 void main() {
   ivec2 at = ivec2(round(gl_TessCoord.xy * 16.0));
-  int side = side_and_number.x;
+  int side = side_number_above.x & 255;
   float depth_below = 0.0;  // 0 at the ground, 1 at the foot of a wall
   if (side == 5) {
     depth_below = 1.0;
@@ -35,12 +42,17 @@ void main() {
   ivec2 at_sample = min(node.xy + (at << node.z), last);
   ivec2 in_tile = ((node.xy >> node.z) & 63) + at;
   float height = texelFetch(heights, ivec3(in_tile, node.w), 0).r;
+  if (from_above(side_number_above.x >> 8, at)) {
+    // The sample after the last even one is the last of both levels.
+    ivec2 above = (((node.xy >> node.z) + at + 1) >> 1) - (node.xy >> (node.z + 1) & ~63);
+    height = texelFetch(heights, ivec3(above, side_number_above.z), 0).r;
+  }
   precise vec2 ground = (vec2(at_sample - eye_sample) - eye_part) * cell;
   precise float up = (depth_below > 0.0 ? mix(height * exaggeration, base, depth_below) : height * exaggeration) - eye_height;
   precise vec4 clip = projection * vec4(ground.x, -ground.y, up, 1.0);
   gl_Position = clip;
   texel = vec2(in_tile);
   layer = node.w;
-  number = uint(side_and_number.y);
+  number = uint(side_number_above.y);
   sample_height = vec3(vec2(at_sample), height);
 }

@@ -131,18 +131,15 @@ constexpr std::int64_t block_cells = std::int64_t{node_cells} << (block_levels -
 /// Every so many cells a sample is kept for the levels above.
 constexpr std::int64_t kept_step = std::int64_t{1} << block_levels;
 
-}  // namespace
-
-double error_m(const QuadtreeNode& node, int step) { return error_table()[node.error[static_cast<std::size_t>(step)]]; }
-
-TerrainQuadtree build_quadtree(const SamplePyramid& pyramid, int threads, Progress& progress) {
-  const Size size = pyramid.size(0);
-  TerrainQuadtree tree{{}, size};
+/// Of the samples of the pyramid's base, as if they were all.
+std::vector<Raster<QuadtreeNode>> measure(const SamplePyramid& pyramid, int threads, Progress& progress) {
+  const Size size = pyramid.size(pyramid.base());
+  std::vector<Raster<QuadtreeNode>> levels;
   do {
-    const int level = static_cast<int>(tree.levels.size());
-    tree.levels.emplace_back(nodes_along(size.width, level), nodes_along(size.height, level));
-  } while (tree.levels.back().size().cells() > 1);
-  const int count = static_cast<int>(tree.levels.size());
+    const int level = static_cast<int>(levels.size());
+    levels.emplace_back(nodes_along(size.width, level), nodes_along(size.height, level));
+  } while (levels.back().size().cells() > 1);
+  const int count = static_cast<int>(levels.size());
   const auto kept_along = [](std::int64_t samples) { return (samples - 1 + kept_step - 1) / kept_step + 1; };
   Raster<Height> kept(kept_along(size.width), kept_along(size.height));
   const std::int64_t across = (size.width - 2) / block_cells + 1, down = (size.height - 2) / block_cells + 1;
@@ -156,7 +153,7 @@ TerrainQuadtree build_quadtree(const SamplePyramid& pyramid, int threads, Progre
     Raster<TerrainSample> samples(cells.width, rows);
     for (std::int64_t from = 0; from < cells.height; from += rows) {
       const Window window{0, 0, cells.width, std::min(rows, cells.height - from)};
-      pyramid.read(0, {x0, y0 + from, window.width, window.height}, samples.view().sub(window));
+      pyramid.read(pyramid.base(), {x0, y0 + from, window.width, window.height}, samples.view().sub(window));
       for (std::int64_t y = 0; y < window.height; ++y)
         for (std::int64_t x = 0; x < window.width; ++x) heights(x, from + y) = {samples(x, y).height, samples(x, y).valid > 0};
     }
@@ -169,13 +166,13 @@ TerrainQuadtree build_quadtree(const SamplePyramid& pyramid, int threads, Progre
         if (own && holds(x0 + x, size.width - 1) && holds(y0 + y, size.height - 1)) kept(place(x0 + x), place(y0 + y)) = heights(x, y);
       }
     for (int level = 0; level < std::min(count, block_levels); ++level) {
-      Raster<QuadtreeNode>& nodes = tree.levels[static_cast<std::size_t>(level)];
+      Raster<QuadtreeNode>& nodes = levels[static_cast<std::size_t>(level)];
       const std::int64_t side = std::int64_t{node_cells} << level;
       for (std::int64_t y = y0 / side; y < std::min(nodes.height(), (y0 + block_cells) / side); ++y)
         for (std::int64_t x = x0 / side; x < std::min(nodes.width(), (x0 + block_cells) / side); ++x) {
           const std::int64_t u = x * side - x0, v = y * side - y0;
           nodes(x, y) = level == 0 ? measure_leaf(heights.view(), u, v, x * side, y * side, size)
-                                   : merge(tree.levels[static_cast<std::size_t>(level) - 1], level, x, y, SampleGrid(heights.view(), u, v, 1 << level), size);
+                                   : merge(levels[static_cast<std::size_t>(level) - 1], level, x, y, SampleGrid(heights.view(), u, v, 1 << level), size);
         }
     }
     const std::lock_guard lock(reporting);
@@ -183,13 +180,43 @@ TerrainQuadtree build_quadtree(const SamplePyramid& pyramid, int threads, Progre
   });
   progress.end();
   for (int level = block_levels; level < count; ++level) {
-    Raster<QuadtreeNode>& nodes = tree.levels[static_cast<std::size_t>(level)];
+    Raster<QuadtreeNode>& nodes = levels[static_cast<std::size_t>(level)];
     const int step = 1 << (level - block_levels);
     for (std::int64_t y = 0; y < nodes.height(); ++y)
       for (std::int64_t x = 0; x < nodes.width(); ++x)
-        nodes(x, y) = merge(tree.levels[static_cast<std::size_t>(level) - 1], level, x, y,
+        nodes(x, y) = merge(levels[static_cast<std::size_t>(level) - 1], level, x, y,
                             SampleGrid(kept.view(), x * node_cells * step, y * node_cells * step, step), size);
   }
+  return levels;
+}
+
+}  // namespace
+
+double error_m(const QuadtreeNode& node, int step) { return error_table()[node.error[static_cast<std::size_t>(step)]]; }
+
+Size nodes_of(const TerrainQuadtree& tree, int level) { return {nodes_along(tree.size.width, level), nodes_along(tree.size.height, level)}; }
+
+QuadtreeNode node_at(const TerrainQuadtree& tree, int level, std::int64_t x, std::int64_t y) {
+  const int above = std::max(0, tree.base - level);
+  QuadtreeNode node = tree.levels[static_cast<std::size_t>(level + above)](x >> above, y >> above);
+  if (above == 0) return node;
+  const float more = static_cast<float>(error_m(node, 1));
+  node.low -= more;
+  node.high += more;
+  constexpr int codes_per_level = 4;  // 2^(-4/8)
+  const auto measured = node.error;
+  for (int i = 0; i < node_steps; ++i) {
+    const int step = i - above;  // of the ancestor
+    node.error[static_cast<std::size_t>(i)] = step >= 1 ? measured[static_cast<std::size_t>(step)]
+                                                        : static_cast<std::uint8_t>(std::max(0, measured[1] - codes_per_level * (1 - step)));
+  }
+  return node;
+}
+
+TerrainQuadtree build_quadtree(const SamplePyramid& pyramid, int threads, Progress& progress) {
+  TerrainQuadtree tree{{}, pyramid.size(0), pyramid.base()};
+  tree.levels.resize(static_cast<std::size_t>(pyramid.base()));
+  for (Raster<QuadtreeNode>& level : measure(pyramid, threads, progress)) tree.levels.push_back(std::move(level));
   return tree;
 }
 
@@ -212,7 +239,8 @@ struct Leaf {
 };
 using Leaves = std::unordered_map<NodeId, Leaf, NodeHash>;
 
-constexpr std::array<std::array<int, 2>, 4> towards = {{{-1, 0}, {0, -1}, {1, 0}, {0, 1}}};  // west, north, east, south
+// West, north, east, south; north-west, north-east, south-east, south-west.
+constexpr std::array<std::array<int, 2>, 8> towards = {{{-1, 0}, {0, -1}, {1, 0}, {0, 1}, {-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
 
 class Selection {
  public:
@@ -243,10 +271,10 @@ class Selection {
   }
 
  private:
-  const QuadtreeNode& node(const NodeId& id) const { return tree_.levels[static_cast<std::size_t>(id.level)](id.x, id.y); }
+  QuadtreeNode node(const NodeId& id) const { return node_at(tree_, id.level, id.x, id.y); }
   bool exists(const NodeId& id) const {
-    const Raster<QuadtreeNode>& nodes = tree_.levels[static_cast<std::size_t>(id.level)];
-    return id.x >= 0 && id.y >= 0 && id.x < nodes.width() && id.y < nodes.height();
+    const Size nodes = nodes_of(tree_, id.level);
+    return id.x >= 0 && id.y >= 0 && id.x < nodes.width && id.y < nodes.height;
   }
   Box box(const NodeId& id) const {
     TerrainPatch patch;
@@ -274,7 +302,7 @@ class Selection {
     const auto [across, upright] = pixels_per_metre(where);
     const double step = static_cast<double>(std::int64_t{1} << id.level);
     const double metres = std::max(placement_.cell.x_m, placement_.cell.y_m) * step;
-    const QuadtreeNode& own = node(id);
+    const QuadtreeNode own = node(id);
     const double exaggerated = upright * placement_.exaggeration;
     const auto fits = [&](int i) { return error_m(own, i) * exaggerated <= options_.max_error_px; };
     if (id.level > 0 && seen && (metres * across > options_.max_sample_px || !fits(0))) {
@@ -350,6 +378,20 @@ class Selection {
     return std::max(spacing, id.level);
   }
 
+  /// As TerrainPatch::from_above.
+  int coarser_neighbours(const NodeId& id) const {
+    int bits = 0;
+    for (std::size_t i = 0; i < towards.size(); ++i) {
+      const NodeId beside{id.level, id.x + towards[i][0], id.y + towards[i][1]};
+      if (exists(beside) && leaves_.count({id.level + 1, beside.x / 2, beside.y / 2})) bits |= 1 << i;
+    }
+    // A side has its corners.
+    constexpr std::array<std::array<int, 2>, 4> corners = {{{4, 7}, {4, 5}, {5, 6}, {6, 7}}};
+    for (std::size_t side = 0; side < 4; ++side)
+      if (bits >> side & 1) bits |= 1 << corners[side][0] | 1 << corners[side][1];
+    return bits;
+  }
+
   void add_patches(const NodeId& id, const Leaf& leaf, std::vector<TerrainPatch>& all) const {
     TerrainPatch ground;
     ground.x = static_cast<std::int32_t>(id.x * node_cells << id.level);
@@ -357,6 +399,7 @@ class Selection {
     ground.level = id.level;
     for (std::size_t side = 0; side < 4; ++side) ground.outer[side] = node_cells >> (edge_spacing(id, leaf, side) - id.level);
     ground.inner = {node_cells >> (leaf.spacing - id.level), node_cells >> (leaf.spacing - id.level)};
+    if (id.level < tree_.base) ground.from_above = coarser_neighbours(id);
     all.push_back(ground);
     if (!placement_.walls) return;
     for (std::size_t side = 0; side < 4; ++side) {
@@ -387,7 +430,7 @@ std::vector<TerrainPatch> select_patches(const TerrainQuadtree& tree, const Terr
 
 Box patch_box(const TerrainQuadtree& tree, const TerrainPlacement& placement, const TerrainPatch& patch) {
   const std::int64_t side = std::int64_t{node_cells} << patch.level;
-  const QuadtreeNode& node = tree.levels[static_cast<std::size_t>(patch.level)](patch.x / side, patch.y / side);
+  const QuadtreeNode node = node_at(tree, patch.level, patch.x / side, patch.y / side);
   const double west = patch.x * placement.cell.x_m, north = -patch.y * placement.cell.y_m;
   const double east = static_cast<double>(std::min(patch.x + side, tree.size.width - 1)) * placement.cell.x_m;
   const double south = -static_cast<double>(std::min(patch.y + side, tree.size.height - 1)) * placement.cell.y_m;

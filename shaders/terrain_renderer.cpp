@@ -36,7 +36,7 @@ const Colour3 haze_colour = linear(222, 231, 240), zenith_colour = linear(104, 1
 struct PatchVertex {
   std::int32_t x, y, level, layer;
   std::int32_t outer[4];
-  std::int32_t inner[2], side, number;
+  std::int32_t inner, side, number, above;
 };
 
 constexpr GLuint line_mark = 0x80000000u;
@@ -317,7 +317,8 @@ struct TerrainRenderer::Impl {
     for (const std::size_t i : order) {
       const TerrainPatch& p = patches[i];
       vertices.insert(vertices.end(), patch_vertices,
-                      {p.x, p.y, p.level, places[i].layer, {p.outer[0], p.outer[1], p.outer[2], p.outer[3]}, {p.inner[0], p.inner[1]}, p.side, 1 + 8 * places[i].layer + p.side});
+                      {p.x, p.y, p.level, places[i].layer, {p.outer[0], p.outer[1], p.outer[2], p.outer[3]}, p.inner[0] | p.inner[1] << 8, p.side | p.from_above << 8,
+                       1 + 8 * places[i].layer + p.side, places[i].above});
     }
     glNamedBufferData(patch_buffer, static_cast<GLsizeiptr>(vertices.size() * sizeof(PatchVertex)), vertices.data(), GL_STREAM_DRAW);
     glPatchParameteri(GL_PATCH_VERTICES, patch_vertices);

@@ -55,7 +55,15 @@ std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize
                                       " cells in perspective: it takes 2 x 2 at least");
   auto scene = std::make_unique<TerrainScene>();
   const auto blocks = [](std::int64_t cells) { return (cells + longest_overview - 1) / longest_overview; };
-  scene->overview = make_overview(source, blocks(size.width), blocks(size.height), options.threads, progress);
+  const int base = measured_level(source, options.measured_cells);
+  if (base == 0) {
+    scene->overview = make_overview(source, blocks(size.width), blocks(size.height), options.threads, progress);
+  } else {
+    const SourceLevel coarse(dynamic_cast<const LevelSource&>(source), base);
+    scene->overview = make_overview(coarse, blocks(coarse.size().width), blocks(coarse.size().height), options.threads, progress);
+    scene->overview.across <<= base;
+    scene->overview.down <<= base;
+  }
   if (scene->overview.valid == 0) throw Error(ErrorKind::input, "cannot draw terrain in perspective: no cell is valid");
   Raster<float>& heights = scene->overview.cells;
   if (std::all_of(heights.data(), heights.data() + heights.size().cells(), is_void)) {
@@ -63,7 +71,7 @@ std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize
     std::fill(heights.data(), heights.data() + heights.size().cells(), static_cast<float>(scene->overview.low_m));
   }
   fill_voids(heights.view());
-  scene->pyramid = std::make_unique<SamplePyramid>(source, scene->overview, options.memory_bytes / 4 * 3, options.threads, progress);
+  scene->pyramid = std::make_unique<SamplePyramid>(source, scene->overview, options.memory_bytes / 4 * 3, options.measured_cells, options.threads, progress);
   scene->facts = survey(*scene->pyramid, cell, scene->overview);
   if (options.exaggeration > 0) scene->facts.exaggeration = options.exaggeration;
   if (options.ramp_range_m) scene->facts.ramp_low_m = (*options.ramp_range_m)[0], scene->facts.ramp_high_m = (*options.ramp_range_m)[1];

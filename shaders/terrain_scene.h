@@ -25,6 +25,7 @@ struct SceneOptions {
   SelectionOptions detail;
   int supersampling = 1;                           ///< 1 to 4: pixels aside that are averaged to one, besides 4 samples per pixel
   std::int64_t memory_bytes = std::int64_t{512} << 20;  ///< of samples kept and tiles on the GPU
+  std::int64_t measured_cells = std::int64_t{1} << 22;  ///< sources with levels are read whole at the finest with at most so many cells (SamplePyramid)
   int threads = 0;
 };
 
@@ -46,7 +47,7 @@ struct TerrainScene {
   SceneFacts facts;
 };
 
-/// Reads the source by windows: once for the overview, once for the pyramid, and once more where not all samples stay in memory. The source
+/// Reads the source, or the level that takes its place (SamplePyramid), by windows: once for the overview, once for the pyramid, and once more where not all samples stay in memory. The source
 /// must outlive the scene. Throws Error{input} where the raster is less than 2 x 2 cells or no cell is valid.
 std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize cell, const SceneOptions& options, Progress& progress);
 

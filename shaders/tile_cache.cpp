@@ -1,7 +1,6 @@
 #include "shaders/tile_cache.h"
 
 #include <algorithm>
-#include <set>
 
 #include <epoxy/gl.h>
 
@@ -61,10 +60,15 @@ void TileCache::grow() {
   if (slots_.size() == before) throw Error(ErrorKind::input, "the OpenGL driver has too few texture layers for this picture: draw a smaller one");
 }
 
-TileCache::Key TileCache::key_of(const TerrainPatch& patch) {
-  const int shift = patch.level + 6;
+TileCache::Key TileCache::key_of(const TerrainPatch& patch, int levels_up) {
+  const int level = patch.level + levels_up, shift = level + 6;
   static_assert(tile_cells == 1 << 6);
-  return {patch.level, patch.y >> shift, patch.x >> shift};
+  return {level, patch.y >> shift, patch.x >> shift};
+}
+
+void TileCache::add_keys(const TerrainPatch& patch, std::set<Key>& keys) {
+  keys.insert(key_of(patch));
+  if (patch.from_above != 0) keys.insert(key_of(patch, 1));
 }
 
 std::vector<std::array<std::int32_t, 4>> TileCache::table() const {
@@ -79,7 +83,7 @@ std::vector<std::array<std::int32_t, 4>> TileCache::table() const {
 bool TileCache::holds(std::span<const TerrainPatch> patches) const {
   std::set<Key> wanted;
   for (const TerrainPatch& patch : patches) {
-    wanted.insert(key_of(patch));
+    add_keys(patch, wanted);
     if (wanted.size() > slots_.size()) return false;
   }
   return true;
@@ -91,15 +95,18 @@ std::size_t TileCache::load(std::span<const TerrainPatch> patches, std::vector<P
   std::vector<std::int32_t> missing, oldest(slots_.size());
   for (std::size_t i = 0; i < oldest.size(); ++i) oldest[i] = static_cast<std::int32_t>(i);
   const auto slot = [&](std::int32_t i) -> Slot& { return slots_[static_cast<std::size_t>(i)]; };
-  // First what is there already, so that it is not replaced.
   std::size_t together = 0;
   std::set<Key> wanted;
   for (; together < patches.size(); ++together) {
-    const Key key = key_of(patches[together]);
-    if (wanted.size() == slots_.size() && !wanted.count(key)) break;
-    wanted.insert(key);
-    if (const auto found = where_.find(key); found != where_.end()) slot(found->second).used = time_;
+    std::set<Key> more;
+    add_keys(patches[together], more);
+    std::erase_if(more, [&](const Key& key) { return wanted.count(key) > 0; });
+    if (wanted.size() + more.size() > slots_.size()) break;
+    wanted.merge(more);
   }
+  // What is there already is not replaced.
+  for (const Key& key : wanted)
+    if (const auto found = where_.find(key); found != where_.end()) slot(found->second).used = time_;
   std::stable_sort(oldest.begin(), oldest.end(), [&](std::int32_t a, std::int32_t b) { return slot(a).used < slot(b).used; });
   std::size_t next = 0;
   for (const Key& key : wanted) {
@@ -113,7 +120,7 @@ std::size_t TileCache::load(std::span<const TerrainPatch> patches, std::vector<P
   upload(missing);
   for (std::size_t i = 0; i < together; ++i) {
     const std::int32_t layer = where_[key_of(patches[i])];
-    places.push_back({layer, slot(layer).holed});
+    places.push_back({layer, patches[i].from_above != 0 ? where_[key_of(patches[i], 1)] : 0, slot(layer).holed});
   }
   return together;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <map>
+#include <set>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,7 @@ class TileCache {
   /// Where the samples of a patch are.
   struct Place {
     std::int32_t layer = 0;
+    std::int32_t above = 0;  ///< of the tile of the next coarser level, where the patch has heights from there
     bool holed = false;  ///< the tile has void samples
   };
   /// How many of the first patches have their tiles on the GPU together; loads those that are missing. `places` gets one per patch.
@@ -53,7 +55,8 @@ class TileCache {
     bool holed = false;
   };
   struct Tile;
-  static Key key_of(const TerrainPatch& patch);
+  static Key key_of(const TerrainPatch& patch, int levels_up = 0);
+  static void add_keys(const TerrainPatch& patch, std::set<Key>& keys);
   void make_textures(std::size_t layers);
   void read(const Key& key, Tile& tile) const;
   void upload(const std::vector<std::int32_t>& slots);

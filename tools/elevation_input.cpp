@@ -12,15 +12,17 @@
 namespace arete::tools {
 namespace {
 
-class TreeLevel final : public RasterSource {
+/// A tree from one of its levels on.
+class TreeLevels final : public LevelSource {
  public:
-  TreeLevel(ElevationTree tree, int level) : tree_(std::move(tree)), level_(level) {}
-  Size size() const override { return tree_.level_size(level_); }
-  void read(const Window& window, RasterView<float> out) const override { tree_.read_level(level_, window, out); }
+  TreeLevels(ElevationTree tree, int first) : tree_(std::move(tree)), first_(first) {}
+  int levels() const override { return tree_.levels() - first_; }
+  Size level_size(int level) const override { return tree_.level_size(first_ + level); }
+  void read_level(int level, const Window& window, RasterView<float> out) const override { tree_.read_level(first_ + level, window, out); }
 
  private:
   ElevationTree tree_;
-  int level_;
+  int first_;
 };
 
 }  // namespace
@@ -33,7 +35,7 @@ ElevationInput open_elevations(const std::string& path, const DemReadOptions& op
     GeoReference geo = tree.header().geo;
     geo.crs_wkt = expand_crs(geo.crs_wkt);
     for (int l = 0; l < level; ++l) geo = coarsen(geo, 2);
-    return {std::make_unique<TreeLevel>(std::move(tree), level), geo};
+    return {std::make_unique<TreeLevels>(std::move(tree), level), geo};
   }
   if (level > 0) throw Error(ErrorKind::usage, fmt::format("--level is of trees (.sct), '{}' is a DEM: leave it out", path));
   auto dem = std::make_unique<DemReader>(path, options);

@@ -14,6 +14,30 @@ class RasterSource {
   virtual void read(const Window& window, RasterView<float> out) const = 0;
 };
 
+/// Elevations at several resolutions. Level 0 is the raster; cell i of level l stands for cell 2^l i of it, as detailed as cells so far apart can be.
+class LevelSource : public RasterSource {
+ public:
+  /// Levels 0 to levels().
+  virtual int levels() const = 0;
+  virtual Size level_size(int level) const = 0;
+  /// As read(), of a level. The window lies inside that level.
+  virtual void read_level(int level, const Window& window, RasterView<float> out) const = 0;
+  Size size() const final { return level_size(0); }
+  void read(const Window& window, RasterView<float> out) const final { read_level(0, window, out); }
+};
+
+/// A level of another source, which must outlive it.
+class SourceLevel final : public RasterSource {
+ public:
+  SourceLevel(const LevelSource& source, int level) : source_(source), level_(level) {}
+  Size size() const override { return source_.level_size(level_); }
+  void read(const Window& window, RasterView<float> out) const override { source_.read_level(level_, window, out); }
+
+ private:
+  const LevelSource& source_;
+  int level_;
+};
+
 /// Takes the windows of a result as they are finished, from one thread at a time, each cell of each band once.
 class RasterSink {
  public:

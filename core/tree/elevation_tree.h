@@ -20,7 +20,7 @@ namespace arete {
 /// depends on. 3. The values are the same on every machine, for any number of threads. 4. Safe for untrusted files: a damaged
 /// node is an Error{damaged}, never wrong values.
 /// The nodes decoded last are kept, 32 MB of them: the coarse levels of all windows, and what windows side by side share.
-class ElevationTree final : public RasterSource {
+class ElevationTree final : public LevelSource {
  public:
   /// Reads the directory. Where it names a dictionary (the paper's profile), `find` gives it. Throws as TreeFile,
   /// parse_patch_parameters and `find`.
@@ -29,13 +29,11 @@ class ElevationTree final : public RasterSource {
 
   const TreeHeader& header() const { return file_.header(); }
   const TreeFile& file() const { return file_; }
-  int levels() const { return header().grid.levels(); }
-  Size level_size(int level) const { return header().grid.level_size(level); }
-  Size size() const override { return header().grid.size(); }
+  int levels() const override { return header().grid.levels(); }
+  Size level_size(int level) const override { return header().grid.level_size(level); }
 
   /// Metres, NaN where void.
-  void read(const Window& window, RasterView<float> out) const override { read_level(0, window, out); }
-  void read_level(int level, const Window& window, RasterView<float> out) const;
+  void read_level(int level, const Window& window, RasterView<float> out) const override;
   /// The numbers as the source stored them, in the type of the header: NaN where void.
   void read_stored(int level, const Window& window, RasterView<double> out) const;
   /// Reads every node and checks it against its checksum. Throws Error{damaged}.

@@ -20,7 +20,7 @@ struct Terrain {
     NoProgress progress;
     overview = make_overview(source, 2, 2, 1, progress);
     fill_voids(overview.cells.view());
-    pyramid = std::make_unique<SamplePyramid>(source, overview, memory_bytes, 2, progress);
+    pyramid = std::make_unique<SamplePyramid>(source, overview, memory_bytes, 0, 2, progress);
     tree = build_quadtree(*pyramid, 2, progress);
   }
   Raster<float> cells;
