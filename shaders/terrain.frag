@@ -11,6 +11,7 @@ uniform vec3 water_colour;     // linear
 uniform vec3 haze_colour;
 uniform float haze;            // per metre
 uniform float haze_from;       // metres from the eye
+uniform bool rolls_off;        // highlights do
 uniform int mode;              // 0: lit, 1: colours of levels, 2: covered, 3: lines
 
 in vec3 from_eye;
@@ -68,7 +69,7 @@ void main() {
     vec3 water = mix(lit(water_colour, vec3(0, 0, 1), vec2(1.0)), haze_colour, 0.5 * grazing);
     shade = mix(shade, water, wet);
   }
-  shade = roll_off(shade);
+  if (rolls_off) shade = roll_off(shade);
   // Blue is scattered more than red.
   vec3 clear = exp(-max(length(from_eye) - haze_from, 0.0) * haze * vec3(0.85, 1.0, 1.2));
   colour = vec4(mix(haze_colour, shade, clear), 1.0);

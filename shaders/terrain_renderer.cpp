@@ -8,7 +8,6 @@
 
 #include "core/support/error.h"
 #include "core/support/parallel.h"
-#include "core/support/random.h"
 #include "shaders/gl_context.h"
 #include "shaders/gl_program.h"
 #include "shaders/tile_cache.h"
@@ -23,7 +22,6 @@ constexpr GLsizei patch_vertices = 4;
 using Colour3 = std::array<float, 3>;
 
 float to_linear(double v) { return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)); }  // IEC 61966-2-1
-double from_linear(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 Colour3 linear(int r, int g, int b) { return {to_linear(r / 255.0), to_linear(g / 255.0), to_linear(b / 255.0)}; }
 
 const Colour3 haze_colour = linear(222, 231, 240), zenith_colour = linear(104, 150, 202), below_colour = linear(247, 246, 243),
@@ -77,25 +75,20 @@ class Canvas {
   GLuint buffers_[3]{}, frames_[2]{};
 };
 
-/// Averages pixels of linear light and writes them as sRGB of 8 bits, with noise of one step against banding.
-void develop(const std::vector<float>& pixels, std::int64_t rows, int supersampling, const PicturePart& part, int threads, Frame& frame) {
-  const std::int64_t stride = part.width * supersampling;
+/// Averages pixels of a part (row 0 at the bottom) into the rows that it lies in.
+void average(const std::vector<float>& pixels, int supersampling, const PicturePart& part, int threads, LightRows& rows) {
+  const std::int64_t stride = part.width * supersampling, last = part.height * supersampling - 1;
   const double share = 1.0 / (supersampling * supersampling);
   parallel_for(part.height, threads, [&](std::int64_t y) {
     for (std::int64_t x = 0; x < part.width; ++x) {
       double sum[4] = {};
       for (std::int64_t v = 0; v < supersampling; ++v)
         for (std::int64_t u = 0; u < supersampling; ++u) {
-          const std::int64_t row = rows - 1 - (y * supersampling + v);
+          const std::int64_t row = last - (y * supersampling + v);
           for (std::size_t c = 0; c < 4; ++c) sum[c] += static_cast<double>(pixels[static_cast<std::size_t>((row * stride + x * supersampling + u) * 4) + c]);
         }
-      const auto px = static_cast<std::uint64_t>(part.x + x), py = static_cast<std::uint64_t>(part.y + y);
-      std::uint8_t* out = &frame.rgba[static_cast<std::size_t>(((part.y + y) * frame.size.width + part.x + x) * 4)];
-      for (std::size_t c = 0; c < 3; ++c) {
-        const double exact = 255 * from_linear(std::clamp(sum[c] * share, 0.0, 1.0)), whole = std::floor(exact);
-        out[c] = static_cast<std::uint8_t>(std::min(255.0, whole + (uniform_at(11, px, py, c) < exact - whole ? 1 : 0)));
-      }
-      out[3] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(sum[3] * share, 0.0, 1.0)));
+      float* out = &rows.rgba[static_cast<std::size_t>((y * rows.size.width + part.x + x) * 4)];
+      for (std::size_t c = 0; c < 4; ++c) out[c] = static_cast<float>(sum[c] * share);
     }
   });
 }
@@ -345,12 +338,27 @@ std::vector<TerrainPatch> TerrainRenderer::select(const Camera& camera, Size pic
 Frame TerrainRenderer::draw(const Camera& camera, Size picture, DrawMode mode) { return draw(select(camera, picture), camera, picture, mode); }
 
 Frame TerrainRenderer::draw(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode) {
+  std::vector<std::uint8_t> rgba;
+  Frame frame = draw_rows(patches, camera, picture, mode, Highlights::roll_off, [&](const LightRows& rows) {
+    rgba.resize(static_cast<std::size_t>(picture.cells() * 4));
+    develop(rows, impl_->options.threads, &rgba[static_cast<std::size_t>(rows.y * picture.width * 4)]);
+  });
+  frame.rgba = std::move(rgba);
+  return frame;
+}
+
+Frame TerrainRenderer::draw_rows(const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const std::function<void(const LightRows&)>& take) {
+  return draw_rows(select(camera, picture), camera, picture, mode, highlights, take);
+}
+
+Frame TerrainRenderer::draw_rows(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode, Highlights highlights,
+                                 const std::function<void(const LightRows&)>& take) {
   if (picture.width < 1 || picture.height < 1 || picture.width > largest_picture || picture.height > largest_picture)
     throw Error(ErrorKind::usage, "cannot draw a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
                                       " pixels: sides are 1 to " + std::to_string(largest_picture));
   impl_->context.make_current();
   const std::int64_t before = impl_->tiles->loaded();
-  Frame frame{picture, std::vector<std::uint8_t>(static_cast<std::size_t>(picture.cells() * 4)), static_cast<std::int64_t>(patches.size()), 0, 0};
+  Frame frame{picture, {}, static_cast<std::int64_t>(patches.size()), 0, 0};
   for (const TerrainPatch& patch : patches) frame.triangles += count_triangles(patch);
 
   const bool coverage = mode == DrawMode::coverage;
@@ -358,14 +366,21 @@ Frame TerrainRenderer::draw(const std::vector<TerrainPatch>& patches, const Came
   const std::int64_t side = 1024 / supersampling;
   const Canvas canvas(std::min(side, picture.width) * supersampling, std::min(side, picture.height) * supersampling, coverage ? 0 : 4);
   impl_->set_camera(camera, mode);
-  for (std::int64_t y = 0; y < picture.height; y += side)
+  set_int(impl_->terrain, "rolls_off", highlights == Highlights::roll_off);
+  LightRows rows;
+  for (std::int64_t y = 0; y < picture.height; y += side) {
+    rows.y = y;
+    rows.size = {picture.width, std::min(side, picture.height - y)};
+    rows.rgba.resize(static_cast<std::size_t>(rows.size.cells() * 4));
     for (std::int64_t x = 0; x < picture.width; x += side) {
-      const PicturePart part{x, y, std::min(side, picture.width - x), std::min(side, picture.height - y)};
+      const PicturePart part{x, y, std::min(side, picture.width - x), rows.size.height};
       const std::int64_t width = part.width * supersampling, height = part.height * supersampling;
       canvas.begin(width, height);
       impl_->draw_part(patches, camera, picture, part, mode);
-      develop(canvas.read(width, height), height, supersampling, part, impl_->options.threads, frame);
+      average(canvas.read(width, height), supersampling, part, impl_->options.threads, rows);
     }
+    take(rows);
+  }
   frame.tiles_loaded = impl_->tiles->loaded() - before;
   return frame;
 }
