@@ -11,6 +11,7 @@
 #include "gis/mesh/draw_mesh.h"
 #include "gis/relief.h"
 #include "tools/command.h"
+#include "tools/drawn_terrain.h"
 #include "tools/elevation_input.h"
 #include "tools/mesh_input.h"
 #include "tools/preview_page.h"
@@ -114,11 +115,9 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
                        common);
     return;
   }
-  check_picture_path(arguments.output, common.overwrite);
-  if (options.legend && find_font().empty())
-    warn(common, "no font found, the legend is left out: install fonts-dejavu-core or set ARETE_FONT");
-
   if (arguments.kind() == perspective) return draw_perspective(perspective_of(arguments), common);
+  check_picture_path(arguments.output, common.overwrite);
+  if (options.legend) warn_without_font(common);
 
   const auto progress = make_progress(common);
   const Relief relief = is_mesh_file(arguments.input) ? draw_mesh_file(arguments, options, common, *progress) : draw_dem(arguments, options, *progress);
