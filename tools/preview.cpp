@@ -143,11 +143,13 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<PreviewArguments>();
   CLI::App* verb = add_verb(app, "preview", "Draw a DEM or a mesh as a shaded relief map, in perspective, as a profile, or as a page to turn about in a browser",
                             "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png\narete preview dem.tif view.png --view perspective --look-from 200\n"
+                            "arete preview dem.tif view.tif --view perspective --eye 783000,186000,+300 --look-at 785000,189000\n"
                             "arete preview dem.tif profile.png --view profile --line 782000,186000,785000,189000\n"
                             "arete preview dem.tif page.html --compare finer.tif",
                             common, [arguments, common] { run_preview(*arguments, *common); });
   verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens; a tree (.sct); or a mesh (.ply...)")->required();
-  verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr; or a page for a browser that needs no network: .html")->required();
+  verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr (in perspective of 8 bits, 16 bits, and linear half floats of the scene's light, without legend); or a page for a "
+                   "browser that needs no network: .html")->required();
   const auto of = [arguments](CLI::Option* option, unsigned kinds) {
     arguments->options.emplace_back(option, kinds);
     return option;

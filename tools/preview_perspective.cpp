@@ -144,9 +144,9 @@ std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArg
                        "exaggerated (default: the ground there)")
           ->type_name("X,Y[,Z]"),
       verb->add_option("--eye", arguments.camera.eye,
-                       "Perspective: the camera stands here, likewise, or H metres above the ground, and looks at --look-at, or the middle of the terrain; in place of "
-                       "--look-from, --pitch and --distance")
-          ->type_name("X,Y,Z|X,Y,+H"),
+                       "Perspective: the camera stands here, likewise, or with X,Y,+H H metres above the ground, and looks at --look-at, or the middle of the terrain; in "
+                       "place of --look-from, --pitch and --distance")
+          ->type_name("X,Y,Z"),
       verb->add_option("--turntable", arguments.camera.turntable,
                        "Perspective: so many pictures, OUT-000 and so on, from all round, clockwise from --look-from on; all appear when the last is drawn")
           ->check(CLI::Range(2, 10000)),
