@@ -35,12 +35,18 @@ std::unique_ptr<OIIO::ImageOutput> writer_for(const std::string& path) {
   return writer;
 }
 
+/// OpenImageIO would store the time of writing otherwise; and in TIFF take an empty one for a reason to write an EXIF directory, of which libtiff, once GDAL is
+/// in use, says on stderr that it cannot.
+void leave_out_time(OIIO::ImageSpec& spec) {
+  spec.attribute("DateTime", "");
+  spec.attribute("tiff:write_exif", 0);
+}
+
 void write_pixels(const std::string& path, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels, OIIO::stride_t row_stride,
                   bool overwrite) {
   check_picture_path(path, overwrite);
   auto writer = writer_for(path);
-  // OpenImageIO would store the time of writing otherwise.
-  spec.attribute("DateTime", "");
+  leave_out_time(spec);
   StagedFiles files(path, overwrite);
   const bool written = writer->open(files.staged(), spec) &&
                        writer->write_image(type, pixels, OIIO::AutoStride, row_stride) && writer->close();
@@ -165,8 +171,7 @@ struct PictureFile::Impl {
 PictureFile::PictureFile(const std::string& path, Size size, PictureDepth depth, bool overwrite)
     : impl_(new Impl{path, size, depth, writer_for(path), StagedFiles(path, overwrite)}) {
   OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, type_of(depth));
-  // OpenImageIO would store the time of writing otherwise.
-  spec.attribute("DateTime", "");
+  leave_out_time(spec);
   spec.attribute("oiio:UnassociatedAlpha", 1);
   if (!impl_->writer->open(impl_->files.staged(), spec)) impl_->fail();
 }
