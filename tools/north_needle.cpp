@@ -56,8 +56,11 @@ void draw_north(Picture& rows, std::int64_t y, std::int64_t picture_height, cons
   const Colour dark{45, 45, 48, 255}, pale{252, 252, 250, 255};
   fill_polygon(rows, {place(0, 1), place(145, 0.8), place(180, 0.4), place(215, 0.8)}, dark);
   fill_polygon(rows, {place(-1.5, 0.8), place(181.5, 0.37), place(212.5, 0.68)}, pale);
-  const Place letter = place(0, 1.45);
   const int size = std::max(12, static_cast<int>(radius * 0.6));
+  // As far before the tip in any direction.
+  const Place tip = place(0, 1);
+  const double length = std::max(1.0, std::hypot(tip.x - centre.x, tip.y - centre.y)), step = 0.65 * size / length;
+  const Place letter{tip.x + step * (tip.x - centre.x), tip.y + step * (tip.y - centre.y)};
   draw_text(rows, std::llround(letter.x), std::llround(letter.y + 0.35 * size), "N", size, dark, Align::centre);
 }
 
