@@ -75,7 +75,7 @@ void halve(RasterView<const TerrainSample> from, RasterView<TerrainSample> out) 
 SamplePyramid::SamplePyramid(const RasterSource& source, const Overview& overview, std::int64_t memory_bytes, int threads, Progress& progress)
     : source_(source), overview_(overview) {
   int count = 1;
-  while (size(count - 1).width > 65 || size(count - 1).height > 65) ++count;
+  while (size(count - 1).width > 17 || size(count - 1).height > 17) ++count;
   kept_.resize(static_cast<std::size_t>(count));
   std::int64_t bytes = 0;
   int first = count - 1;

@@ -30,7 +30,7 @@ class SamplePyramid {
 
   /// Samples of level l along each side: ceil((size - 1) / 2^l) + 1.
   Size size(int level) const;
-  /// Levels 0..levels()-1; the last has 65 x 65 samples at most.
+  /// Levels 0..levels()-1; the last has 17 x 17 samples at most.
   int levels() const { return static_cast<int>(kept_.size()); }
   /// Samples of a window of that level; outside the raster those of its border are repeated. Safe from several threads.
   void read(int level, const Window& window, RasterView<TerrainSample> out) const;

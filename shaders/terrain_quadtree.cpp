@@ -11,57 +11,73 @@
 namespace arete {
 namespace {
 
-/// Corners a b / c d of a quad; (s, t) is where the middle sample lies in it, 1/2 but at the border of the raster.
-struct Quad {
-  float a, b, c, d;
-  double s, t;
+/// Errors in steps of 2^(1/8): 0 is none, 1 is 2^-13 m.
+constexpr int error_codes = 256;
+const std::array<float, error_codes>& error_table() {
+  static const std::array<float, error_codes> table = [] {
+    std::array<float, error_codes> metres{};
+    for (int i = 1; i < error_codes; ++i) metres[static_cast<std::size_t>(i)] = static_cast<float>(std::exp2((i - 1) / 8.0 - 13));
+    return metres;
+  }();
+  return table;
+}
+
+/// Rounded up.
+std::uint8_t error_code(double metres) {
+  const auto& table = error_table();
+  const auto found = std::lower_bound(table.begin(), table.end(), metres);
+  return static_cast<std::uint8_t>(std::min<std::ptrdiff_t>(found - table.begin(), error_codes - 1));
+}
+
+/// Height of a sample of the DEM; where it is void, of what is drawn at the edge of the hole.
+struct Height {
+  float metres;
+  bool valid;
 };
 
-/// What the nine samples of a quad differ from it.
-double midpoint_error(const Quad& q, float north, float west, float centre, float east, float south) {
-  const auto mix = [](double from, double to, double t) { return from + t * (to - from); };
-  const auto off = [](double value, double plane) { return std::abs(value - plane); };
-  const double falling = q.s >= q.t ? q.a + q.s * (q.b - q.a) + q.t * (q.d - q.b) : q.a + q.t * (q.c - q.a) + q.s * (q.d - q.c);
-  const double rising = q.s + q.t <= 1 ? q.a + q.s * (q.b - q.a) + q.t * (q.c - q.a) : q.d + (1 - q.s) * (q.c - q.d) + (1 - q.t) * (q.b - q.d);
-  return std::max({off(north, mix(q.a, q.b, q.s)), off(south, mix(q.c, q.d, q.s)), off(west, mix(q.a, q.c, q.t)), off(east, mix(q.b, q.d, q.t)),
-                   off(centre, falling), off(centre, rising)});
-}
-
-/// Where the middle of [from, from + step] lies between its ends, which the last sample cuts off.
-double middle_share(std::int64_t from, std::int64_t step, std::int64_t last) {
-  const double length = static_cast<double>(std::min(from + step, last) - from);
-  return length > 0 ? std::min(1.0, static_cast<double>(step / 2) / length) : 0;
-}
-
-/// Node of level 0 at cell (x0, y0) from its 65 x 65 samples.
-QuadtreeNode measure_leaf(RasterView<const TerrainSample> samples, std::int64_t x0, std::int64_t y0, Size size) {
-  QuadtreeNode node;
-  node.low = node.high = samples(0, 0).height;
-  for (std::int64_t y = 0; y <= node_cells; ++y)
-    for (std::int64_t x = 0; x <= node_cells; ++x) {
-      node.low = std::min(node.low, samples(x, y).height);
-      node.high = std::max(node.high, samples(x, y).height);
-      node.any_valid |= samples(x, y).valid > 0;
-    }
-  std::vector<float> finer(node_cells * node_cells, 0.0f), coarser;
-  for (int k = 1; k < node_steps; ++k) {
-    const std::int64_t step = std::int64_t{1} << k, half = step / 2, count = node_cells / step;
-    coarser.assign(static_cast<std::size_t>(count * count), 0.0f);
-    for (std::int64_t j = 0; j < count; ++j)
-      for (std::int64_t i = 0; i < count; ++i) {
-        const std::int64_t x = i * step, y = j * step;
-        const auto z = [&](std::int64_t dx, std::int64_t dy) { return samples(x + dx, y + dy).height; };
-        const Quad quad{z(0, 0), z(step, 0), z(0, step), z(step, step),
-                        middle_share(x0 + x, step, size.width - 1), middle_share(y0 + y, step, size.height - 1)};
-        const auto part = [&](std::int64_t u, std::int64_t v) { return finer[static_cast<std::size_t>((2 * j + v) * 2 * count + 2 * i + u)]; };
-        const double own = midpoint_error(quad, z(half, 0), z(0, half), z(half, half), z(step, half), z(half, step));
-        const float error = static_cast<float>(own) + std::max({part(0, 0), part(1, 0), part(0, 1), part(1, 1)});
-        coarser[static_cast<std::size_t>(j * count + i)] = error;
-        node.error[static_cast<std::size_t>(k)] = std::max(node.error[static_cast<std::size_t>(k)], error);
-      }
-    finer.swap(coarser);
+/// Samples of a level from (x, y) on; those beyond the raster are its last ones.
+class SampleGrid {
+ public:
+  SampleGrid(RasterView<const Height> heights, std::int64_t x, std::int64_t y, int step) : heights_(heights), x_(x), y_(y), step_(step) {}
+  const Height& operator()(std::int64_t i, std::int64_t j) const {
+    return heights_(std::min(x_ + i * step_, heights_.width - 1), std::min(y_ + j * step_, heights_.height - 1));
   }
-  return node;
+
+ private:
+  RasterView<const Height> heights_;
+  std::int64_t x_, y_;
+  int step_;
+};
+
+/// Where samples 0..count lie between the corners of a quad, which the last sample of the raster cuts off.
+struct Places {
+  std::array<double, node_cells + 1> share;
+  int count = 0;  // beyond it there is nothing
+
+  Places(std::int64_t from, std::int64_t step, int segments, std::int64_t last) {
+    const std::int64_t length = std::min(from + step * segments, last) - from;
+    for (; count <= segments; ++count) {
+      const std::int64_t at = std::min(step * count, length);
+      share[static_cast<std::size_t>(count)] = length > 0 ? static_cast<double>(at) / static_cast<double>(length) : 0;
+      if (at == length) break;
+    }
+  }
+};
+
+/// What valid samples differ from one quad over them, cut along either diagonal. Its corners are samples 0 and `segments`.
+double quad_error(const SampleGrid& samples, int segments, const Places& across, const Places& down) {
+  const double a = samples(0, 0).metres, b = samples(segments, 0).metres, c = samples(0, segments).metres, d = samples(segments, segments).metres;
+  double worst = 0;
+  for (int j = 0; j <= down.count; ++j)
+    for (int i = 0; i <= across.count; ++i) {
+      const Height& height = samples(i, j);
+      if (!height.valid) continue;
+      const double s = across.share[static_cast<std::size_t>(i)], t = down.share[static_cast<std::size_t>(j)], z = height.metres;
+      const double falling = s >= t ? a + s * (b - a) + t * (d - b) : a + t * (c - a) + s * (d - c);
+      const double rising = s + t <= 1 ? a + s * (b - a) + t * (c - a) : d + (1 - s) * (c - d) + (1 - t) * (b - d);
+      worst = std::max({worst, std::abs(z - falling), std::abs(z - rising)});
+    }
+  return worst;
 }
 
 std::int64_t nodes_along(std::int64_t samples, int level) {
@@ -69,58 +85,111 @@ std::int64_t nodes_along(std::int64_t samples, int level) {
   return std::max<std::int64_t>(1, (samples - 1 + side - 1) / side);
 }
 
-/// Nodes of a level from the four each that they cover; `corners` are the samples at the corners of the leaves.
-Raster<QuadtreeNode> merge(const Raster<QuadtreeNode>& finer, int level, const Raster<float>& corners, Size size) {
-  Raster<QuadtreeNode> nodes(nodes_along(size.width, level), nodes_along(size.height, level));
-  const std::int64_t side = std::int64_t{node_cells} << level, leaves = std::int64_t{1} << level;
-  for (std::int64_t y = 0; y < nodes.height(); ++y)
-    for (std::int64_t x = 0; x < nodes.width(); ++x) {
-      QuadtreeNode node = finer(2 * x, 2 * y);
-      std::array<float, node_steps> parts = node.error;
-      for (const auto& [u, v] : {std::pair{1, 0}, {0, 1}, {1, 1}}) {
-        if (2 * x + u >= finer.width() || 2 * y + v >= finer.height()) continue;
-        const QuadtreeNode& part = finer(2 * x + u, 2 * y + v);
-        node.low = std::min(node.low, part.low);
-        node.high = std::max(node.high, part.high);
-        node.any_valid |= part.any_valid;
-        for (std::size_t i = 0; i < parts.size(); ++i) parts[i] = std::max(parts[i], part.error[i]);
-      }
-      const auto z = [&](std::int64_t i, std::int64_t j) {
-        return corners(std::min((2 * x + i) * leaves / 2, corners.width() - 1), std::min((2 * y + j) * leaves / 2, corners.height() - 1));
-      };
-      const Quad quad{z(0, 0), z(2, 0), z(0, 2), z(2, 2), middle_share(x * side, side, size.width - 1), middle_share(y * side, side, size.height - 1)};
-      for (std::size_t i = 0; i + 1 < parts.size(); ++i) node.error[i] = parts[i + 1];
-      node.error.back() = parts.back() + static_cast<float>(midpoint_error(quad, z(1, 0), z(0, 1), z(1, 1), z(2, 1), z(1, 2)));
-      nodes(x, y) = node;
+/// Node of level 0 at sample (x0, y0) of the DEM, (x, y) of `heights`.
+QuadtreeNode measure_leaf(RasterView<const Height> heights, std::int64_t x, std::int64_t y, std::int64_t x0, std::int64_t y0, Size size) {
+  QuadtreeNode node;
+  node.low = node.high = heights(x, y).metres;
+  for (std::int64_t j = y; j <= std::min(y + node_cells, heights.height - 1); ++j)
+    for (std::int64_t i = x; i <= std::min(x + node_cells, heights.width - 1); ++i) {
+      node.low = std::min(node.low, heights(i, j).metres);
+      node.high = std::max(node.high, heights(i, j).metres);
+      node.any_valid |= heights(i, j).valid;
     }
-  return nodes;
+  for (int k = 1; k < node_steps; ++k) {
+    const int step = 1 << k;
+    double worst = 0;
+    for (int v = 0; v < node_cells && y0 + v < size.height - 1; v += step)
+      for (int u = 0; u < node_cells && x0 + u < size.width - 1; u += step)
+        worst = std::max(worst, quad_error(SampleGrid(heights, x + u, y + v, 1), step, Places(x0 + u, 1, step, size.width - 1), Places(y0 + v, 1, step, size.height - 1)));
+    node.error[static_cast<std::size_t>(k)] = std::max(error_code(worst), node.error[static_cast<std::size_t>(k - 1)]);
+  }
+  return node;
 }
 
+/// Node (x, y) of a level above 0 from those that it covers, and its 17 x 17 samples.
+QuadtreeNode merge(const Raster<QuadtreeNode>& finer, int level, std::int64_t x, std::int64_t y, const SampleGrid& samples, Size size) {
+  QuadtreeNode node = finer(2 * x, 2 * y);
+  std::array<std::uint8_t, node_steps> parts = node.error;
+  for (const auto& [u, v] : {std::pair{1, 0}, {0, 1}, {1, 1}}) {
+    if (2 * x + u >= finer.width() || 2 * y + v >= finer.height()) continue;
+    const QuadtreeNode& part = finer(2 * x + u, 2 * y + v);
+    node.low = std::min(node.low, part.low);
+    node.high = std::max(node.high, part.high);
+    node.any_valid |= part.any_valid;
+    for (std::size_t i = 0; i < parts.size(); ++i) parts[i] = std::max(parts[i], part.error[i]);
+  }
+  std::copy(parts.begin() + 1, parts.end(), node.error.begin());
+  const std::int64_t step = std::int64_t{1} << level, side = node_cells * step;
+  const double plane = quad_error(samples, node_cells, Places(x * side, step, node_cells, size.width - 1), Places(y * side, step, node_cells, size.height - 1));
+  node.error.back() = std::max(parts.back(), error_code(plane + error_m(node, 0)));
+  return node;
+}
+
+/// Cells aside of the blocks that are read, and the levels whose nodes fit in one.
+constexpr int block_levels = 6;
+constexpr std::int64_t block_cells = std::int64_t{node_cells} << (block_levels - 1);
+/// Every so many cells a sample is kept for the levels above.
+constexpr std::int64_t kept_step = std::int64_t{1} << block_levels;
+
 }  // namespace
+
+double error_m(const QuadtreeNode& node, int step) { return error_table()[node.error[static_cast<std::size_t>(step)]]; }
 
 TerrainQuadtree build_quadtree(const SamplePyramid& pyramid, int threads, Progress& progress) {
   const Size size = pyramid.size(0);
   TerrainQuadtree tree{{}, size};
-  Raster<QuadtreeNode> leaves(nodes_along(size.width, 0), nodes_along(size.height, 0));
-  Raster<float> corners(leaves.width() + 1, leaves.height() + 1);
-  progress.begin("measuring", leaves.size().cells());
+  do {
+    const int level = static_cast<int>(tree.levels.size());
+    tree.levels.emplace_back(nodes_along(size.width, level), nodes_along(size.height, level));
+  } while (tree.levels.back().size().cells() > 1);
+  const int count = static_cast<int>(tree.levels.size());
+  const auto kept_along = [](std::int64_t samples) { return (samples - 1 + kept_step - 1) / kept_step + 1; };
+  Raster<Height> kept(kept_along(size.width), kept_along(size.height));
+  const std::int64_t across = (size.width - 2) / block_cells + 1, down = (size.height - 2) / block_cells + 1;
+  progress.begin("measuring", across * down);
   std::mutex reporting;
-  parallel_for(leaves.size().cells(), threads, [&](std::int64_t i) {
-    const std::int64_t x = i % leaves.width(), y = i / leaves.width();
-    Raster<TerrainSample> samples(node_cells + 1, node_cells + 1);
-    pyramid.read(0, {x * node_cells, y * node_cells, node_cells + 1, node_cells + 1}, samples.view());
-    leaves(x, y) = measure_leaf(samples.view(), x * node_cells, y * node_cells, size);
-    corners(x, y) = samples(0, 0).height;
-    if (x + 1 == leaves.width()) corners(x + 1, y) = samples(node_cells, 0).height;
-    if (y + 1 == leaves.height()) corners(x, y + 1) = samples(0, node_cells).height;
-    if (x + 1 == leaves.width() && y + 1 == leaves.height()) corners(x + 1, y + 1) = samples(node_cells, node_cells).height;
+  parallel_for(across * down, threads, [&](std::int64_t block) {
+    const std::int64_t x0 = block % across * block_cells, y0 = block / across * block_cells;
+    const Size cells{std::min(block_cells + 1, size.width - x0), std::min(block_cells + 1, size.height - y0)};
+    Raster<Height> heights(cells.width, cells.height);
+    constexpr std::int64_t rows = 64;
+    Raster<TerrainSample> samples(cells.width, rows);
+    for (std::int64_t from = 0; from < cells.height; from += rows) {
+      const Window window{0, 0, cells.width, std::min(rows, cells.height - from)};
+      pyramid.read(0, {x0, y0 + from, window.width, window.height}, samples.view().sub(window));
+      for (std::int64_t y = 0; y < window.height; ++y)
+        for (std::int64_t x = 0; x < window.width; ++x) heights(x, from + y) = {samples(x, y).height, samples(x, y).valid > 0};
+    }
+    for (std::int64_t y = 0; y < cells.height; ++y)
+      for (std::int64_t x = 0; x < cells.width; ++x) {
+        const auto holds = [](std::int64_t at, std::int64_t last) { return at % kept_step == 0 || at == last; };
+        const auto place = [](std::int64_t at) { return (at + kept_step - 1) / kept_step; };
+        // Samples that two blocks share are kept by the one that they begin.
+        const bool own = (x < block_cells || x0 + x == size.width - 1) && (y < block_cells || y0 + y == size.height - 1);
+        if (own && holds(x0 + x, size.width - 1) && holds(y0 + y, size.height - 1)) kept(place(x0 + x), place(y0 + y)) = heights(x, y);
+      }
+    for (int level = 0; level < std::min(count, block_levels); ++level) {
+      Raster<QuadtreeNode>& nodes = tree.levels[static_cast<std::size_t>(level)];
+      const std::int64_t side = std::int64_t{node_cells} << level;
+      for (std::int64_t y = y0 / side; y < std::min(nodes.height(), (y0 + block_cells) / side); ++y)
+        for (std::int64_t x = x0 / side; x < std::min(nodes.width(), (x0 + block_cells) / side); ++x) {
+          const std::int64_t u = x * side - x0, v = y * side - y0;
+          nodes(x, y) = level == 0 ? measure_leaf(heights.view(), u, v, x * side, y * side, size)
+                                   : merge(tree.levels[static_cast<std::size_t>(level) - 1], level, x, y, SampleGrid(heights.view(), u, v, 1 << level), size);
+        }
+    }
     const std::lock_guard lock(reporting);
     progress.advance(1);
   });
   progress.end();
-  tree.levels.push_back(std::move(leaves));
-  while (tree.levels.back().size().cells() > 1)
-    tree.levels.push_back(merge(tree.levels.back(), static_cast<int>(tree.levels.size()), corners, size));
+  for (int level = block_levels; level < count; ++level) {
+    Raster<QuadtreeNode>& nodes = tree.levels[static_cast<std::size_t>(level)];
+    const int step = 1 << (level - block_levels);
+    for (std::int64_t y = 0; y < nodes.height(); ++y)
+      for (std::int64_t x = 0; x < nodes.width(); ++x)
+        nodes(x, y) = merge(tree.levels[static_cast<std::size_t>(level) - 1], level, x, y,
+                            SampleGrid(kept.view(), x * node_cells * step, y * node_cells * step, step), size);
+  }
   return tree;
 }
 
@@ -139,7 +208,7 @@ struct NodeHash {
 
 struct Leaf {
   bool seen = false;
-  int spacing = 0;  // log2 of the distance of vertices that it wants, level..level + 6
+  int spacing = 0;  // log2 of the distance of vertices that it wants, level..level + 4
 };
 using Leaves = std::unordered_map<NodeId, Leaf, NodeHash>;
 
@@ -186,30 +255,35 @@ class Selection {
     patch.level = id.level;
     return patch_box(tree_, placement_, patch);
   }
-  /// Pixels that a metre covers at most anywhere in the box.
-  double pixels_per_metre(const Box& where) const {
-    double squares = 0;
+  /// Pixels that a metre covers at most anywhere in the box: across the view, and upright.
+  std::array<double, 2> pixels_per_metre(const Box& where) const {
+    std::array<double, 3> near{}, far{};
     for (std::size_t c = 0; c < 3; ++c) {
-      const double off = std::max({0.0, where.low[c] - camera_.eye[c], camera_.eye[c] - where.high[c]});
-      squares += off * off;
+      const double below = where.low[c] - camera_.eye[c], above = camera_.eye[c] - where.high[c];
+      near[c] = std::max({0.0, below, above});
+      far[c] = std::max(std::abs(below), std::abs(above));
     }
-    return scale_ / std::max(std::sqrt(squares), 1e-9);
+    const double across = scale_ / std::max(std::hypot(near[0], near[1], near[2]), 1e-9), level = std::hypot(far[0], far[1]);
+    // Heights are seen at the sine of the angle between the view and the vertical.
+    return {across, across * level / std::max(std::hypot(level, near[2]), 1e-9)};
   }
 
   void grow(const NodeId& id) {
     const Box where = box(id);
     const bool seen = sees(view_, camera_, where);
-    const double pixels = pixels_per_metre(where), step = static_cast<double>(std::int64_t{1} << id.level);
+    const auto [across, upright] = pixels_per_metre(where);
+    const double step = static_cast<double>(std::int64_t{1} << id.level);
     const double metres = std::max(placement_.cell.x_m, placement_.cell.y_m) * step;
     const QuadtreeNode& own = node(id);
-    const auto fits = [&](float error) { return error * placement_.exaggeration * pixels <= options_.max_error_px; };
-    if (id.level > 0 && seen && (metres * pixels > options_.max_sample_px || !fits(own.error[0]))) {
+    const double exaggerated = upright * placement_.exaggeration;
+    const auto fits = [&](int i) { return error_m(own, i) * exaggerated <= options_.max_error_px; };
+    if (id.level > 0 && seen && (metres * across > options_.max_sample_px || !fits(0))) {
       for_children(id, [&](const NodeId& child) { grow(child); });
       return;
     }
     Leaf leaf{seen, id.level};
     if (seen)
-      for (std::size_t i = 1; i < own.error.size() && fits(own.error[i]); ++i) leaf.spacing = id.level + static_cast<int>(i);
+      for (int i = 1; i < node_steps && fits(i); ++i) leaf.spacing = id.level + i;
     leaves_[id] = leaf;
   }
 

@@ -10,28 +10,32 @@
 
 namespace arete {
 
-/// Cells aside of a node of level 0; one of level l covers 2^l times as many, in 64 samples of level l.
-inline constexpr int node_cells = 64;
-/// A node is drawn with 64, 32, ... 1 segments aside.
-inline constexpr int node_steps = 7;
+/// Cells aside of a node of level 0; one of level l covers 2^l times as many, in 16 samples of level l.
+inline constexpr int node_cells = 16;
+/// A node is drawn with 16, 8, ... 1 segments aside.
+inline constexpr int node_steps = 5;
 
 struct QuadtreeNode {
-  float low = 0, high = 0;                ///< of all its samples, metres
-  std::array<float, node_steps> error{};  ///< estimate of max |DEM - mesh| at the samples, with 64 >> i segments; rises with i
+  float low = 0, high = 0;                     ///< of all its samples, metres
+  std::array<std::uint8_t, node_steps> error{};  ///< see error_m
   bool any_valid = false;
 };
 
-/// Heights and errors of all nodes, level 0 (64 x 64 cells) first; the last level has one node.
+/// Max |DEM - mesh| over the valid samples of a node drawn with 16 >> step segments aside, metres: exact where the mesh is within the node and of
+/// squares cut along either diagonal (what edges to coarser or finer neighbours add is not counted), rounded up to steps of 9 %. Rises with `step`.
+double error_m(const QuadtreeNode& node, int step);
+
+/// Heights and errors of all nodes, level 0 (16 x 16 cells) first; the last level has one node.
 struct TerrainQuadtree {
   std::vector<Raster<QuadtreeNode>> levels;
   Size size;  ///< samples
 };
 
-/// Error of spacing 2^k in a quad = what the samples between (of its spacing 2^(k-1)) differ from straight edges and either diagonal,
-/// plus the largest error of its four parts. Reads every sample once. Memory: about 40 bytes per 4096 cells and level.
+/// Spacings of up to 16 cells are measured against every sample; wider ones are too against the samples of a node's own level, plus the error of
+/// these. Reads every sample once, by blocks of 512 x 512. Memory: 16 bytes per 192 cells, and 4 MB a thread.
 TerrainQuadtree build_quadtree(const SamplePyramid& pyramid, int threads, Progress& progress);
 
-/// A quad to be tessellated: a node with segments per side, powers of two from 1 to 64.
+/// A quad to be tessellated: a node with segments per side, powers of two from 1 to 16.
 struct TerrainPatch {
   std::int32_t x = 0, y = 0, level = 0;         ///< first sample (of the DEM), and level
   std::array<std::int32_t, 4> outer{1, 1, 1, 1};  ///< segments of the west, north, east and south side
@@ -50,7 +54,7 @@ struct TerrainPlacement {
 };
 
 struct SelectionOptions {
-  double max_error_px = 2;    ///< error of heights, seen from the side
+  double max_error_px = 2;    ///< error of heights, as steeply as they are seen
   double max_sample_px = 1.5; ///< distance of the samples that slopes are taken from
 };
 

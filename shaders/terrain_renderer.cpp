@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <span>
 
 #include <epoxy/gl.h>
@@ -16,6 +17,8 @@ namespace arete {
 namespace {
 
 constexpr std::int64_t largest_picture = 16384;
+// Parts that are drawn at once, in pixels of the canvas, and regions of them, in pixels of the picture.
+constexpr std::int64_t largest_part = 1280, smallest_region = 32;
 // All alike.
 constexpr GLsizei patch_vertices = 4;
 
@@ -31,72 +34,86 @@ const Colour3 haze_colour = linear(222, 231, 240), zenith_colour = linear(104, 1
 struct PatchVertex {
   std::int32_t x, y, level, layer;
   std::int32_t outer[4];
-  std::int32_t inner[2], side, unused;
+  std::int32_t inner[2], side, number;
 };
 
-/// A framebuffer to draw to and, where it has several samples per pixel, one that they are resolved to.
+constexpr GLuint line_mark = 0x80000000u;
+
+constexpr int samples_per_pixel = 4;
+
+/// What is seen at each sample of a picture: the number of a patch, and how far away. And a picture to colour.
 class Canvas {
  public:
-  Canvas(std::int64_t width, std::int64_t height, int samples) : width_(static_cast<GLsizei>(width)), height_(static_cast<GLsizei>(height)) {
-    glCreateRenderbuffers(3, buffers_);
+  Canvas(std::int64_t width, std::int64_t height) : size_{width, height} {
+    const auto w = static_cast<GLsizei>(width), h = static_cast<GLsizei>(height);
+    glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 2, seen_);
+    glCreateRenderbuffers(1, &picture_);
     glCreateFramebuffers(2, frames_);
-    glNamedRenderbufferStorageMultisample(buffers_[0], samples, GL_RGBA16F, width_, height_);
-    glNamedRenderbufferStorageMultisample(buffers_[1], samples, GL_DEPTH_COMPONENT32F, width_, height_);
-    glNamedRenderbufferStorage(buffers_[2], GL_RGBA16F, width_, height_);
-    glNamedFramebufferRenderbuffer(frames_[0], GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, buffers_[0]);
-    glNamedFramebufferRenderbuffer(frames_[0], GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, buffers_[1]);
-    glNamedFramebufferRenderbuffer(frames_[1], GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, buffers_[2]);
-    if (glCheckNamedFramebufferStatus(frames_[0], GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-      throw Error(ErrorKind::format, "the OpenGL driver cannot draw to half floats with a depth of 32 bits");
+    glTextureStorage2DMultisample(seen_[0], samples_per_pixel, GL_R32UI, w, h, GL_TRUE);
+    glTextureStorage2DMultisample(seen_[1], samples_per_pixel, GL_DEPTH_COMPONENT32F, w, h, GL_TRUE);
+    glNamedRenderbufferStorage(picture_, GL_RGBA16F, w, h);
+    glNamedFramebufferTexture(frames_[0], GL_COLOR_ATTACHMENT0, seen_[0], 0);
+    glNamedFramebufferTexture(frames_[0], GL_DEPTH_ATTACHMENT, seen_[1], 0);
+    glNamedFramebufferRenderbuffer(frames_[1], GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, picture_);
+    for (const GLuint frame : frames_)
+      if (glCheckNamedFramebufferStatus(frame, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
+        throw Error(ErrorKind::format, "the OpenGL driver cannot draw to integers with a depth of 32 bits and four samples, or to half floats");
+    glBindFramebuffer(GL_FRAMEBUFFER, frames_[0]);
+    for (int i = 0; i < samples_per_pixel; ++i) {
+      GLfloat at[2];
+      glGetMultisamplefv(GL_SAMPLE_POSITION, static_cast<GLuint>(i), at);
+      offsets_x_[i] = at[0] - 0.5f;
+      offsets_y_[i] = at[1] - 0.5f;
+    }
   }
   ~Canvas() {
     glDeleteFramebuffers(2, frames_);
-    glDeleteRenderbuffers(3, buffers_);
+    glDeleteTextures(2, seen_);
+    glDeleteRenderbuffers(1, &picture_);
   }
   Canvas(const Canvas&) = delete;
   Canvas& operator=(const Canvas&) = delete;
 
-  void begin(std::int64_t width, std::int64_t height) const {
-    glBindFramebuffer(GL_FRAMEBUFFER, frames_[0]);
-    glViewport(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
+  Size size() const { return size_; }
+  /// Nothing is seen any more within the scissors.
+  void clear() const {
+    const GLuint nothing[4] = {};
+    const GLfloat far = 0;
+    glDepthMask(GL_TRUE);
+    glClearNamedFramebufferuiv(frames_[0], GL_COLOR, 0, nothing);
+    glClearNamedFramebufferfv(frames_[0], GL_DEPTH, 0, &far);
   }
-  /// Linear RGBA, row 0 at the bottom.
-  std::vector<float> read(std::int64_t width, std::int64_t height) const {
-    const auto w = static_cast<GLsizei>(width), h = static_cast<GLsizei>(height);
-    glBlitNamedFramebuffer(frames_[0], frames_[1], 0, 0, w, h, 0, 0, w, h, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-    std::vector<float> pixels(static_cast<std::size_t>(width * height * 4));
+  void begin_surfaces(std::int64_t width, std::int64_t height) const { begin(frames_[0], width, height); }
+  void begin_colours(std::int64_t width, std::int64_t height) const {
+    begin(frames_[1], width, height);
+    glBindTextureUnit(0, seen_[0]);
+    glBindTextureUnit(1, seen_[1]);
+  }
+  /// Of each sample from the middle of its pixel.
+  const GLfloat* offsets_x() const { return offsets_x_; }
+  const GLfloat* offsets_y() const { return offsets_y_; }
+  /// Linear RGBA in half floats, row 0 at the bottom.
+  void read(std::int64_t width, std::int64_t height, std::vector<std::uint16_t>& pixels) const {
+    pixels.resize(static_cast<std::size_t>(width * height * 4));
     glBindFramebuffer(GL_READ_FRAMEBUFFER, frames_[1]);
-    glReadPixels(0, 0, w, h, GL_RGBA, GL_FLOAT, pixels.data());
-    return pixels;
+    glReadPixels(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height), GL_RGBA, GL_HALF_FLOAT, pixels.data());
   }
 
  private:
-  GLsizei width_, height_;
-  GLuint buffers_[3]{}, frames_[2]{};
+  static void begin(GLuint frame, std::int64_t width, std::int64_t height) {
+    glBindFramebuffer(GL_FRAMEBUFFER, frame);
+    glViewport(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
+  }
+
+  Size size_;
+  GLuint seen_[2]{}, picture_ = 0, frames_[2]{};
+  GLfloat offsets_x_[samples_per_pixel]{}, offsets_y_[samples_per_pixel]{};
 };
 
-/// Averages pixels of a part (row 0 at the bottom) into the rows that it lies in.
-void average(const std::vector<float>& pixels, int supersampling, const PicturePart& part, int threads, LightRows& rows) {
-  const std::int64_t stride = part.width * supersampling, last = part.height * supersampling - 1;
-  const double share = 1.0 / (supersampling * supersampling);
-  parallel_for(part.height, threads, [&](std::int64_t y) {
-    for (std::int64_t x = 0; x < part.width; ++x) {
-      double sum[4] = {};
-      for (std::int64_t v = 0; v < supersampling; ++v)
-        for (std::int64_t u = 0; u < supersampling; ++u) {
-          const std::int64_t row = last - (y * supersampling + v);
-          for (std::size_t c = 0; c < 4; ++c) sum[c] += static_cast<double>(pixels[static_cast<std::size_t>((row * stride + x * supersampling + u) * 4) + c]);
-        }
-      float* out = &rows.rgba[static_cast<std::size_t>((y * rows.size.width + part.x + x) * 4)];
-      for (std::size_t c = 0; c < 4; ++c) out[c] = static_cast<float>(sum[c] * share);
-    }
-  });
-}
-
 /// A few at a time: Mesa 22.3 in software takes the levels and values of one patch for another in longer calls, and of one vertex.
-void draw_patches(GLsizei count) {
+void draw_patches(GLsizei first, GLsizei count) {
   constexpr GLsizei at_once = 8;
-  for (GLsizei i = 0; i < count; i += at_once) glDrawArrays(GL_PATCHES, i * patch_vertices, std::min(at_once, count - i) * patch_vertices);
+  for (GLsizei i = 0; i < count; i += at_once) glDrawArrays(GL_PATCHES, (first + i) * patch_vertices, std::min(at_once, count - i) * patch_vertices);
 }
 
 void set(GLuint program, const char* name, const Colour3& v) { glProgramUniform3f(program, glGetUniformLocation(program, name), v[0], v[1], v[2]); }
@@ -132,23 +149,26 @@ struct TerrainRenderer::Impl {
       : options(scene_options), scene(prepare_scene(source, cell, scene_options, progress)) {
     context.make_current();
     tiles = std::make_unique<TileCache>(*scene->pyramid, options.memory_bytes / 4, options.threads);
-    terrain = link_program({"terrain.vert", "terrain.tesc", "terrain.tese", "terrain.frag"});
+    whole = link_program({"terrain.vert", "terrain.tesc", "terrain.tese", "whole.frag"});
+    holed = link_program({"terrain.vert", "terrain.tesc", "terrain.tese", "holed.frag"});
     capture = link_program({"terrain.vert", "terrain.tesc", "terrain.tese"}, {"sample_height"});
-    sky = link_program({"sky.vert", "sky.frag"});
+    surface = link_program({"screen.vert", "surface.frag"});
     make_light();
     make_ramp();
     make_patches();
-    for (const GLuint program : {terrain, capture}) set_ground(program);
+    set_ground();
     set_colours();
   }
   ~Impl() {
     context.make_current();
-    for (const GLuint program : {terrain, capture, sky}) glDeleteProgram(program);
+    for (const GLuint program : {whole, holed, capture, surface}) glDeleteProgram(program);
     const GLuint textures[] = {light, ramp};
     glDeleteTextures(2, textures);
     glDeleteBuffers(1, &patch_buffer);
+    glDeleteBuffers(1, &tile_buffer);
     glDeleteVertexArrays(2, arrays);
     tiles.reset();
+    canvas.reset();
   }
 
   void make_light() {
@@ -179,6 +199,7 @@ struct TerrainRenderer::Impl {
 
   void make_patches() {
     glCreateBuffers(1, &patch_buffer);
+    glCreateBuffers(1, &tile_buffer);
     glCreateVertexArrays(2, arrays);  // patches; nothing
     glVertexArrayVertexBuffer(arrays[0], 0, patch_buffer, 0, sizeof(PatchVertex));
     for (GLuint i = 0; i < 3; ++i) {
@@ -188,30 +209,32 @@ struct TerrainRenderer::Impl {
     }
   }
 
-  void set_ground(GLuint program) const {
+  void set_ground() const {
     const TerrainPlacement& at = scene->placement;
-    set_int(program, "tiles", 0);
-    set_int(program, "last", scene->tree.size.width - 1, scene->tree.size.height - 1);
-    set(program, "cell", at.cell.x_m, at.cell.y_m);
-    set(program, "exaggeration", at.exaggeration);
-    set(program, "base", at.base);
+    for (const GLuint program : {whole, holed, capture, surface}) {
+      set_int(program, "heights", 0);
+      set_int(program, "last", scene->tree.size.width - 1, scene->tree.size.height - 1);
+      set(program, "cell", at.cell.x_m, at.cell.y_m);
+      set(program, "exaggeration", at.exaggeration);
+      set(program, "base", at.base);
+    }
   }
 
   void set_colours() const {
-    set_int(terrain, "light", 1);
-    set_int(terrain, "ramp", 2);
+    const char* const units[] = {"seen", "depths", "shapes", "light", "ramp"};
+    for (int i = 0; i < 5; ++i) set_int(surface, units[i], i);
     const Overview& overview = scene->overview;
     const std::int64_t columns = overview.across * overview.cells.width(), rows = overview.down * overview.cells.height();
-    set(terrain, "light_scale", 1 / static_cast<double>(columns), 1 / static_cast<double>(rows));
+    set(surface, "light_scale", 1 / static_cast<double>(columns), 1 / static_cast<double>(rows));
     const double span = scene->facts.ramp_high_m - scene->facts.ramp_low_m;
-    set(terrain, "ramp_range", scene->facts.ramp_low_m, span > 0 ? 1 / span : 1);
+    set(surface, "ramp_range", scene->facts.ramp_low_m, span > 0 ? 1 / span : 1);
     const double azimuth = options.sun_azimuth_deg * M_PI / 180, elevation = options.sun_elevation_deg * M_PI / 180;
     const double level = std::cos(elevation);
-    set(terrain, "to_sun", Colour3{static_cast<float>(std::sin(azimuth) * level), static_cast<float>(std::cos(azimuth) * level), static_cast<float>(std::sin(elevation))});
-    set(terrain, "water_colour", water_colour);
-    for (const GLuint program : {terrain, sky}) set(program, "haze_colour", haze_colour);
-    set(sky, "zenith_colour", zenith_colour);
-    set(sky, "below_colour", below_colour);
+    set(surface, "to_sun", Colour3{static_cast<float>(std::sin(azimuth) * level), static_cast<float>(std::cos(azimuth) * level), static_cast<float>(std::sin(elevation))});
+    set(surface, "water_colour", water_colour);
+    set(surface, "haze_colour", haze_colour);
+    set(surface, "zenith_colour", zenith_colour);
+    set(surface, "below_colour", below_colour);
   }
 
   Box box() const {
@@ -222,81 +245,172 @@ struct TerrainRenderer::Impl {
   void set_camera(const Camera& camera, DrawMode mode) const {
     const CellSize cell = scene->placement.cell;
     const double column = camera.eye[0] / cell.x_m, row = -camera.eye[1] / cell.y_m;
-    set_int(terrain, "eye_sample", std::llround(std::floor(column)), std::llround(std::floor(row)));
-    set(terrain, "eye_part", column - std::floor(column), row - std::floor(row));
-    set(terrain, "eye_height", camera.eye[2]);
-    const auto [nearest, farthest] = distances(box(), camera.eye);
-    set(terrain, "haze", -std::log(1 - std::clamp(options.haze, 0.0, 0.99)) / (farthest - nearest));
-    set(terrain, "haze_from", nearest);
-    set_int(terrain, "mode", mode == DrawMode::coverage ? 2 : mode == DrawMode::levels ? 1 : 0);
-    set_int(sky, "mode", mode == DrawMode::coverage ? 2 : 0);
-  }
-
-  /// Draws patches, as many at a time as have their tiles on the GPU.
-  template <typename Draw>
-  void in_batches(std::span<const TerrainPatch> patches, const Draw& draw) {
-    std::vector<std::int32_t> layers;
-    std::vector<PatchVertex> vertices;
-    glPatchParameteri(GL_PATCH_VERTICES, patch_vertices);
-    glBindTextureUnit(0, tiles->texture());
-    glBindTextureUnit(1, light);
-    glBindTextureUnit(2, ramp);
-    while (!patches.empty()) {
-      const std::size_t count = tiles->load(patches, layers);
-      vertices.clear();
-      for (std::size_t i = 0; i < count; ++i) {
-        const TerrainPatch& p = patches[i];
-        vertices.insert(vertices.end(), patch_vertices,
-                        {p.x, p.y, p.level, layers[i], {p.outer[0], p.outer[1], p.outer[2], p.outer[3]}, {p.inner[0], p.inner[1]}, p.side, 0});
-      }
-      glNamedBufferData(patch_buffer, static_cast<GLsizeiptr>(vertices.size() * sizeof(PatchVertex)), vertices.data(), GL_STREAM_DRAW);
-      glBindVertexArray(arrays[0]);
-      draw(patches.first(count));
-      patches = patches.subspan(count);
+    for (const GLuint program : {whole, holed, capture, surface}) {
+      set_int(program, "eye_sample", std::llround(std::floor(column)), std::llround(std::floor(row)));
+      set(program, "eye_part", column - std::floor(column), row - std::floor(row));
+      set(program, "eye_height", camera.eye[2]);
     }
+    const auto [nearest, farthest] = distances(box(), camera.eye);
+    set(surface, "haze", -std::log(1 - std::clamp(options.haze, 0.0, 0.99)) / (farthest - nearest));
+    set(surface, "haze_from", nearest);
+    set_int(surface, "mode", mode == DrawMode::coverage ? 2 : mode == DrawMode::levels ? 1 : 0);
   }
 
-  void draw_part(std::span<const TerrainPatch> patches, const Camera& camera, Size picture, const PicturePart& part, DrawMode mode) {
-    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-    glClearDepth(0);
-    glDepthMask(GL_TRUE);
-    glClear(GL_DEPTH_BUFFER_BIT);
-    glDisable(GL_DEPTH_TEST);
-    set(sky, "to_ray", ray_matrix(camera, picture, part));
-    glUseProgram(sky);
-    glBindVertexArray(arrays[1]);
-    glDrawArrays(GL_TRIANGLES, 0, 3);
+  /// The one of the frame before where it has this size: memory that was touched already.
+  const Canvas& canvas_of(Size size) {
+    if (!canvas || canvas->size() != size) {
+      canvas.reset();
+      canvas = std::make_unique<Canvas>(size.width, size.height);
+    }
+    return *canvas;
+  }
 
-    const double diagonal = distances(box(), camera.eye)[1];
-    const auto projection = projection_matrix(camera, picture, part, std::max(0.1 * distances(box(), camera.eye)[0], 1e-6 * diagonal));
-    std::vector<TerrainPatch> seen;
-    for (const TerrainPatch& patch : patches)
-      if (sees(projection, camera, patch_box(scene->tree, scene->placement, patch))) seen.push_back(patch);
+  void load_vertices(std::span<const TerrainPatch> patches, const std::vector<TileCache::Place>& places, std::span<const std::size_t> order) {
+    std::vector<PatchVertex> vertices;
+    vertices.reserve(order.size() * patch_vertices);
+    for (const std::size_t i : order) {
+      const TerrainPatch& p = patches[i];
+      vertices.insert(vertices.end(), patch_vertices,
+                      {p.x, p.y, p.level, places[i].layer, {p.outer[0], p.outer[1], p.outer[2], p.outer[3]}, {p.inner[0], p.inner[1]}, p.side, 1 + 8 * places[i].layer + p.side});
+    }
+    glNamedBufferData(patch_buffer, static_cast<GLsizeiptr>(vertices.size() * sizeof(PatchVertex)), vertices.data(), GL_STREAM_DRAW);
+    glPatchParameteri(GL_PATCH_VERTICES, patch_vertices);
+    glBindVertexArray(arrays[0]);
+    glBindTextureUnit(0, tiles->heights());
+  }
+
+  /// Which patches are seen where.
+  void draw_surfaces(std::span<const TerrainPatch> patches, const std::vector<TileCache::Place>& places, DrawMode mode) {
+    std::vector<std::size_t> order;
+    for (const bool with_voids : {false, true})
+      for (std::size_t i = 0; i < patches.size(); ++i)
+        if ((places[i].holed && patches[i].side != 5) == with_voids) order.push_back(i);
+    const auto without = std::count_if(order.begin(), order.end(), [&](std::size_t i) { return !places[i].holed || patches[i].side == 5; });
+    load_vertices(patches, places, order);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
-    set(terrain, "projection", projection);
-    glUseProgram(terrain);
-    in_batches(seen, [&](std::span<const TerrainPatch> batch) {
-      const auto count = static_cast<GLsizei>(batch.size());
-      if (mode != DrawMode::wireframe) return draw_patches(count);
-      // The faces a little behind their sides.
-      glEnable(GL_POLYGON_OFFSET_FILL);
-      glPolygonOffset(-1, -1);
-      draw_patches(count);
-      glDisable(GL_POLYGON_OFFSET_FILL);
-      glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-      set_int(terrain, "mode", 3);
-      draw_patches(count);
-      set_int(terrain, "mode", 0);
-      glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
-    });
+    const auto draw_all = [&](GLuint marks) {
+      for (const GLuint program : {whole, holed}) {
+        glProgramUniform1ui(program, glGetUniformLocation(program, "marks"), marks);
+        glUseProgram(program);
+        if (program == whole) draw_patches(0, static_cast<GLsizei>(without));
+        else draw_patches(static_cast<GLsizei>(without), static_cast<GLsizei>(order.size()) - static_cast<GLsizei>(without));
+      }
+    };
+    if (mode != DrawMode::wireframe) return draw_all(0);
+    // The faces a little behind their sides.
+    glEnable(GL_POLYGON_OFFSET_FILL);
+    glPolygonOffset(-1, -1);
+    draw_all(0);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+    draw_all(line_mark);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+  }
+
+  void colour() {
+    const std::vector<std::array<std::int32_t, 4>> table = tiles->table();
+    glNamedBufferData(tile_buffer, static_cast<GLsizeiptr>(table.size() * sizeof table[0]), table.data(), GL_STREAM_DRAW);
+    glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, tile_buffer);
+    glBindTextureUnit(2, tiles->shapes());
+    glBindTextureUnit(3, light);
+    glBindTextureUnit(4, ramp);
+    glDisable(GL_DEPTH_TEST);
+    glUseProgram(surface);
+    glBindVertexArray(arrays[1]);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+  }
+
+  void draw_part(std::span<const TerrainPatch> patches, const Camera& camera, Size picture, const PicturePart& part, int supersampling, DrawMode mode,
+                 const Canvas& to) {
+    const std::int64_t width = part.width * supersampling, height = part.height * supersampling;
+    const double near = std::max(0.1 * distances(box(), camera.eye)[0], 1e-6 * distances(box(), camera.eye)[1]);
+    const auto projection = projection_matrix(camera, picture, part, near);
+    for (const GLuint program : {whole, holed}) set(program, "projection", projection);
+    set(surface, "to_ray", ray_matrix(camera, picture, part));
+    set(surface, "near", near);
+    set(surface, "pixel", 2 / static_cast<double>(width), 2 / static_cast<double>(height));
+    glProgramUniform4fv(surface, glGetUniformLocation(surface, "offsets_x"), 1, to.offsets_x());
+    glProgramUniform4fv(surface, glGetUniformLocation(surface, "offsets_y"), 1, to.offsets_y());
+    glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+    glEnable(GL_SCISSOR_TEST);
+    // In pixels of the canvas, `more` around the region.
+    const auto cut = [&](const PicturePart& region, std::int64_t more) {
+      glScissor(static_cast<GLint>((region.x - part.x) * supersampling - more), static_cast<GLint>((part.y + part.height - region.y - region.height) * supersampling - more),
+                static_cast<GLsizei>(region.width * supersampling + 2 * more), static_cast<GLsizei>(region.height * supersampling + 2 * more));
+    };
+
+    // Regions of the part, each with patches whose tiles fit on the GPU together.
+    std::vector<PicturePart> regions = {part};
+    while (!regions.empty()) {
+      const PicturePart region = regions.back();
+      regions.pop_back();
+      // With the pixels around it: Mesa 22.3 in software drops samples of the pixels at the edges of the scissors.
+      const auto view = projection_matrix(camera, picture, {region.x - 1, region.y - 1, region.width + 2, region.height + 2}, near);
+      std::vector<TerrainPatch> seen;
+      for (const TerrainPatch& patch : patches)
+        if (sees(view, camera, patch_box(scene->tree, scene->placement, patch))) seen.push_back(patch);
+      while (!tiles->holds(seen) && std::max(region.width, region.height) <= smallest_region) tiles->grow();
+      if (!tiles->holds(seen)) {
+        const bool wide = region.width >= region.height;
+        const std::int64_t half = (wide ? region.width : region.height) / 2;
+        regions.push_back(wide ? PicturePart{region.x + half, region.y, region.width - half, region.height}
+                               : PicturePart{region.x, region.y + half, region.width, region.height - half});
+        regions.push_back({region.x, region.y, wide ? half : region.width, wide ? region.height : half});
+        continue;
+      }
+      std::vector<TileCache::Place> places;
+      tiles->load(seen, places);
+      cut(region, 1);
+      to.begin_surfaces(width, height);
+      to.clear();
+      draw_surfaces(seen, places, mode);
+      cut(region, 0);
+      to.begin_colours(width, height);
+      colour();
+    }
+    glDisable(GL_SCISSOR_TEST);
+  }
+
+  /// Calls take(DrawnPart) for the parts of a picture, row by row. The frame has no pixels.
+  template <typename Take>
+  Frame draw_parts(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const Take& take) {
+    if (picture.width < 1 || picture.height < 1 || picture.width > largest_picture || picture.height > largest_picture)
+      throw Error(ErrorKind::usage, "cannot draw a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
+                                        " pixels: sides are 1 to " + std::to_string(largest_picture));
+    context.make_current();
+    const std::int64_t before = tiles->loaded();
+    Frame frame{picture, {}, static_cast<std::int64_t>(patches.size()), 0, 0};
+    for (const TerrainPatch& patch : patches) frame.triangles += count_triangles(patch);
+
+    const int supersampling = mode == DrawMode::coverage ? 1 : std::clamp(options.supersampling, 1, 4);
+    // Parts of about the same size.
+    const auto side = [&](std::int64_t length) {
+      const std::int64_t count = (length * supersampling + largest_part - 1) / largest_part;
+      return (length + count - 1) / count;
+    };
+    const std::int64_t across = side(picture.width), down = side(picture.height);
+    const Canvas& target = canvas_of({across * supersampling, down * supersampling});
+    set_camera(camera, mode);
+    set_int(surface, "rolls_off", highlights == Highlights::roll_off);
+    std::vector<std::uint16_t> pixels;
+    for (std::int64_t y = 0; y < picture.height; y += down)
+      for (std::int64_t x = 0; x < picture.width; x += across) {
+        const PicturePart part{x, y, std::min(across, picture.width - x), std::min(down, picture.height - y)};
+        draw_part(patches, camera, picture, part, supersampling, mode, target);
+        target.read(part.width * supersampling, part.height * supersampling, pixels);
+        take(DrawnPart{pixels, supersampling, part});
+      }
+    frame.tiles_loaded = tiles->loaded() - before;
+    return frame;
   }
 
   SceneOptions options;
   GlContext context;  // first, so that a missing driver is told before the terrain is read
   std::unique_ptr<TerrainScene> scene;
   std::unique_ptr<TileCache> tiles;
-  GLuint terrain = 0, capture = 0, sky = 0, light = 0, ramp = 0, patch_buffer = 0;
+  std::unique_ptr<Canvas> canvas;
+  GLuint whole = 0, holed = 0, capture = 0, surface = 0, light = 0, ramp = 0, patch_buffer = 0, tile_buffer = 0;
   GLuint arrays[2]{};
 };
 
@@ -325,7 +439,7 @@ void TerrainRenderer::relight(double exaggeration, double sun_azimuth_deg, doubl
   light_scene(*impl_->scene, exaggeration, sun_azimuth_deg, sun_elevation_deg, impl_->options.threads);
   glDeleteTextures(1, &impl_->light);
   impl_->make_light();
-  for (const GLuint program : {impl_->terrain, impl_->capture}) impl_->set_ground(program);
+  impl_->set_ground();
   impl_->set_colours();
 }
 
@@ -339,50 +453,24 @@ Frame TerrainRenderer::draw(const Camera& camera, Size picture, DrawMode mode) {
 
 Frame TerrainRenderer::draw(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode) {
   std::vector<std::uint8_t> rgba;
-  Frame frame = draw_rows(patches, camera, picture, mode, Highlights::roll_off, [&](const LightRows& rows) {
+  Frame frame = impl_->draw_parts(patches, camera, picture, mode, Highlights::roll_off, [&](const DrawnPart& drawn) {
     rgba.resize(static_cast<std::size_t>(picture.cells() * 4));
-    develop(rows, impl_->options.threads, &rgba[static_cast<std::size_t>(rows.y * picture.width * 4)]);
+    develop(drawn, impl_->options.threads, picture.width, rgba.data());
   });
   frame.rgba = std::move(rgba);
   return frame;
 }
 
 Frame TerrainRenderer::draw_rows(const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const std::function<void(const LightRows&)>& take) {
-  return draw_rows(select(camera, picture), camera, picture, mode, highlights, take);
-}
-
-Frame TerrainRenderer::draw_rows(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode, Highlights highlights,
-                                 const std::function<void(const LightRows&)>& take) {
-  if (picture.width < 1 || picture.height < 1 || picture.width > largest_picture || picture.height > largest_picture)
-    throw Error(ErrorKind::usage, "cannot draw a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                                      " pixels: sides are 1 to " + std::to_string(largest_picture));
-  impl_->context.make_current();
-  const std::int64_t before = impl_->tiles->loaded();
-  Frame frame{picture, {}, static_cast<std::int64_t>(patches.size()), 0, 0};
-  for (const TerrainPatch& patch : patches) frame.triangles += count_triangles(patch);
-
-  const bool coverage = mode == DrawMode::coverage;
-  const int supersampling = coverage ? 1 : std::clamp(impl_->options.supersampling, 1, 4);
-  const std::int64_t side = 1024 / supersampling;
-  const Canvas canvas(std::min(side, picture.width) * supersampling, std::min(side, picture.height) * supersampling, coverage ? 0 : 4);
-  impl_->set_camera(camera, mode);
-  set_int(impl_->terrain, "rolls_off", highlights == Highlights::roll_off);
   LightRows rows;
-  for (std::int64_t y = 0; y < picture.height; y += side) {
-    rows.y = y;
-    rows.size = {picture.width, std::min(side, picture.height - y)};
+  return impl_->draw_parts(select(camera, picture), camera, picture, mode, highlights, [&](const DrawnPart& drawn) {
+    const PicturePart& part = drawn.part;
+    rows.y = part.y;
+    rows.size = {picture.width, part.height};
     rows.rgba.resize(static_cast<std::size_t>(rows.size.cells() * 4));
-    for (std::int64_t x = 0; x < picture.width; x += side) {
-      const PicturePart part{x, y, std::min(side, picture.width - x), rows.size.height};
-      const std::int64_t width = part.width * supersampling, height = part.height * supersampling;
-      canvas.begin(width, height);
-      impl_->draw_part(patches, camera, picture, part, mode);
-      average(canvas.read(width, height), supersampling, part, impl_->options.threads, rows);
-    }
-    take(rows);
-  }
-  frame.tiles_loaded = impl_->tiles->loaded() - before;
-  return frame;
+    average(drawn, impl_->options.threads, rows);
+    if (part.x + part.width == picture.width) take(rows);
+  });
 }
 
 std::vector<std::array<float, 3>> TerrainRenderer::evaluate(const std::vector<TerrainPatch>& patches) {
@@ -391,22 +479,28 @@ std::vector<std::array<float, 3>> TerrainRenderer::evaluate(const std::vector<Te
   GLuint buffer = 0;
   glCreateBuffers(1, &buffer);
   // Nothing is drawn, but there must be something to draw to.
-  const Canvas canvas(16, 16, 0);
-  canvas.begin(16, 16);
-  glUseProgram(impl_->capture);
+  const Canvas& canvas = impl_->canvas_of({16, 16});
+  canvas.begin_surfaces(16, 16);
   glEnable(GL_RASTERIZER_DISCARD);
-  impl_->in_batches(patches, [&](std::span<const TerrainPatch> batch) {
+  for (std::span<const TerrainPatch> rest = patches; !rest.empty();) {
+    std::vector<TileCache::Place> places;
+    const std::span<const TerrainPatch> batch = rest.first(impl_->tiles->load(rest, places));
+    rest = rest.subspan(batch.size());
+    std::vector<std::size_t> order(batch.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    impl_->load_vertices(batch, places, order);
     std::size_t count = 0;
     for (const TerrainPatch& patch : batch) count += static_cast<std::size_t>(3 * count_triangles(patch));
     glNamedBufferData(buffer, static_cast<GLsizeiptr>(count * sizeof vertices[0]), nullptr, GL_STREAM_READ);
     glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, buffer);
+    glUseProgram(impl_->capture);
     glBeginTransformFeedback(GL_TRIANGLES);
-    draw_patches(static_cast<GLsizei>(batch.size()));
+    draw_patches(0, static_cast<GLsizei>(batch.size()));
     glEndTransformFeedback();
     const std::size_t from = vertices.size();
     vertices.resize(from + count);
     glGetNamedBufferSubData(buffer, 0, static_cast<GLsizeiptr>(count * sizeof vertices[0]), &vertices[from]);
-  });
+  }
   glDisable(GL_RASTERIZER_DISCARD);
   glDeleteBuffers(1, &buffer);
   return vertices;

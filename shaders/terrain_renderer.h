@@ -21,7 +21,7 @@ enum class DrawMode {
   lit,        ///< colours of heights under sun, sky and haze
   wireframe,  ///< the same with the sides of its triangles
   levels,     ///< a colour for each level of the quadtree
-  coverage,   ///< white where there is terrain, transparent black elsewhere; one sample per pixel
+  coverage,   ///< white where there is terrain, transparent black elsewhere; as one sample of each pixel shows it
 };
 
 /// Of light that is as bright as white, and brighter: rolled off, as a picture for the eye needs, or kept, as the scene has it.
@@ -44,7 +44,7 @@ struct Frame {
 /// water (sample_pyramid.h) is blue. No curvature of the Earth.
 ///
 /// Guarantees: 1. the same driver gives the same bytes for the same calls, whatever `threads` is and was drawn before. 2. Meshes have no
-/// cracks (terrain_quadtree.h). 3. Memory: memory_bytes, the quadtree, 1024 rows of the picture, and what draw() gives back.
+/// cracks (terrain_quadtree.h). 3. Memory: memory_bytes, the quadtree, 1280 rows of the picture, and what draw() gives back.
 class TerrainRenderer {
  public:
   /// Reads the source two to three times by windows; it must outlive the renderer. `cell`: metric size of a cell.
@@ -65,7 +65,7 @@ class TerrainRenderer {
   /// A picture of 1 x 1 to 16384 x 16384 pixels; throws Error{usage} beyond.
   Frame draw(const Camera& camera, Size picture, DrawMode mode = DrawMode::lit);
 
-  /// The same from top to bottom, for pictures that need not be in memory and for other depths: `take` gets up to 1024 whole rows at a time. The
+  /// The same from top to bottom, for pictures that need not be in memory and for other depths: `take` gets up to 1280 whole rows at a time. The
   /// frame that comes back has no pixels.
   Frame draw_rows(const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const std::function<void(const LightRows&)>& take);
 
@@ -76,8 +76,6 @@ class TerrainRenderer {
   std::vector<std::array<float, 3>> evaluate(const std::vector<TerrainPatch>& patches);
 
  private:
-  Frame draw_rows(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode, Highlights highlights,
-                  const std::function<void(const LightRows&)>& take);
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

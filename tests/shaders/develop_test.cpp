@@ -5,6 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/support/random.h"
+
 namespace arete {
 namespace {
 
@@ -48,6 +50,41 @@ TEST(Develop, NoiseOfOneStepKeepsTheMeanOfFlatLight) {
     }
     // 16384 draws: the mean of noise of one step is off by 0.004 in the mean.
     EXPECT_NEAR(sum / (128 * 128), wanted, 0.02);
+  }
+}
+
+TEST(Develop, PartsAndTheirRowsHaveTheSameBytes) {
+  for (const int supersampling : {1, 2}) {
+    // Halves of light from 0 to 2: exponents up to 15.
+    const PicturePart part{3, 5, 20, 11};
+    std::vector<std::uint16_t> halves(static_cast<std::size_t>(4 * part.width * part.height * supersampling * supersampling));
+    for (std::size_t i = 0; i < halves.size(); ++i) halves[i] = static_cast<std::uint16_t>(hash_position(3, i, 0) % 0x4000);
+    const DrawnPart drawn{halves, supersampling, part};
+    const Size picture{30, 18};
+    std::vector<std::uint8_t> whole(static_cast<std::size_t>(4 * picture.cells())), of_rows(static_cast<std::size_t>(4 * picture.width * part.height));
+    develop(drawn, 2, picture.width, whole.data());
+    LightRows rows = flat({picture.width, part.height}, {0, 0, 0, 0}, part.y);
+    average(drawn, 2, rows);
+    develop(rows, 1, of_rows.data());
+    for (std::int64_t y = 0; y < part.height; ++y)
+      for (std::int64_t i = 4 * part.x; i < 4 * (part.x + part.width); ++i)
+        ASSERT_EQ(whole[static_cast<std::size_t>(4 * (part.y + y) * picture.width + i)], of_rows[static_cast<std::size_t>(4 * y * picture.width + i)]) << supersampling;
+  }
+}
+
+TEST(Develop, AveragesLightUpsideDown) {
+  // 2 x 2 pixels of 2 x 2: light 0x3c00 is 1, 0x3800 0.5, 0x4000 2; the upper row comes last.
+  const std::uint16_t o = 0, h = 0x3800, i = 0x3c00, t = 0x4000;
+  const std::uint16_t pixels[4][4] = {{o, o, t, t}, {o, o, t, t}, {i, o, h, h}, {o, o, h, o}};
+  std::vector<std::uint16_t> halves;
+  for (const auto& row : pixels)
+    for (const std::uint16_t value : row) halves.insert(halves.end(), {value, value, value, i});
+  LightRows rows = flat({2, 2}, {9, 9, 9, 9});
+  average({halves, 2, {0, 0, 2, 2}}, 1, rows);
+  const float wanted[] = {0.25f, 0.375f, 0, 2};
+  for (std::size_t p = 0; p < 4; ++p) {
+    EXPECT_EQ(rows.rgba[4 * p], wanted[p]);
+    EXPECT_EQ(rows.rgba[4 * p + 3], 1);
   }
 }
 

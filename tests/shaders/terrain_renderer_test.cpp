@@ -43,7 +43,7 @@ std::int64_t count_open_sides(TerrainRenderer& renderer, std::vector<TerrainPatc
 /// Levels per patch, without regard to the neighbours.
 std::vector<TerrainPatch> crack(std::vector<TerrainPatch> patches) {
   for (TerrainPatch& patch : patches) {
-    const int level = patch.side == 0 && (patch.x + patch.y) / (node_cells << patch.level) % 2 == 0 ? 4 : 16;
+    const int level = patch.side == 0 && (patch.x + patch.y) / (node_cells << patch.level) % 2 == 0 ? 2 : 8;
     patch.outer = {level, level, level, level};
     patch.inner = {level, level};
   }
@@ -96,7 +96,7 @@ TEST_F(TerrainRendererTest, TheTessellatorMakesAsManyTrianglesAsCounted) {
   const Raster<float> cells = synthesize_mountains({300, 300}, {.seed = 4});
   const ViewSource source(cells.view());
   const auto renderer = render(source, {});
-  const std::vector<std::array<int, 6>> cases = {{1, 1, 1, 1, 1, 1}, {64, 64, 64, 64, 64, 64}, {2, 1, 1, 1, 1, 1}, {4, 8, 16, 2, 8, 8}, {1, 4, 1, 4, 4, 1}, {32, 32, 64, 32, 1, 1}};
+  const std::vector<std::array<int, 6>> cases = {{1, 1, 1, 1, 1, 1}, {16, 16, 16, 16, 16, 16}, {2, 1, 1, 1, 1, 1}, {4, 8, 16, 2, 8, 8}, {1, 4, 1, 4, 4, 1}, {8, 8, 16, 8, 1, 1}};
   for (const std::array<int, 6>& levels : cases) {
     const TerrainPatch patch{64, 64, 0, {levels[0], levels[1], levels[2], levels[3]}, {levels[4], levels[5]}, 0};
     const auto vertices = renderer->evaluate({patch});
@@ -108,7 +108,7 @@ TEST_F(TerrainRendererTest, TheTessellatorMakesAsManyTrianglesAsCounted) {
       const auto &a = vertices[i], &b = vertices[i + 1], &c = vertices[i + 2];
       area += std::abs((b[0] - a[0]) * (c[1] - a[1]) - (c[0] - a[0]) * (b[1] - a[1])) / 2;
     }
-    EXPECT_DOUBLE_EQ(area, 64 * 64);
+    EXPECT_DOUBLE_EQ(area, 16 * 16);
   }
 }
 
@@ -159,15 +159,16 @@ TEST_F(TerrainRendererTest, TheSameBytesWhateverWasDrawnBefore) {
   for (int i = 0; i < 5; ++i) one->draw(camera(*one, i), picture);
   EXPECT_EQ(one->draw(camera(*one, 3), picture).rgba, first.rgba);
   small->draw(camera(*one, 8), picture);
-  EXPECT_EQ(small->draw(camera(*one, 3), picture).rgba, first.rgba);
+  const Frame again = small->draw(camera(*one, 3), picture);
+  EXPECT_TRUE(again.rgba == first.rgba);
 }
 
 TEST_F(TerrainRendererTest, APictureInPartsIsOnePicture) {
   const Raster<float> cells = synthesize_mountains({400, 400}, {.seed = 8});
   const ViewSource source(cells.view());
   const auto renderer = render(source, {});
-  const Size picture{1100, 300};
-  const Frame frame = renderer->draw(frame_box(renderer->box(), 180, 60, 20, 1100.0 / 300, 9000), picture);
+  const Size picture{1400, 300};
+  const Frame frame = renderer->draw(frame_box(renderer->box(), 180, 60, 20, 1400.0 / 300, 9000), picture);
   const auto jump = [&](std::int64_t x) {
     double sum = 0;
     for (std::int64_t y = 0; y < picture.height; ++y) {
@@ -176,10 +177,10 @@ TEST_F(TerrainRendererTest, APictureInPartsIsOnePicture) {
     }
     return sum / static_cast<double>(picture.height);
   };
-  // A part begins at 1024; elsewhere pixels beside each other differ as much.
-  const double usual = (jump(1015) + jump(1019) + jump(1028) + jump(1032)) / 4;
+  // A part begins at 700; elsewhere pixels beside each other differ as much.
+  const double usual = (jump(691) + jump(695) + jump(704) + jump(708)) / 4;
   EXPECT_GT(usual, 0.5);
-  EXPECT_LT(jump(1023), 1.5 * usual);
+  EXPECT_LT(jump(699), 1.5 * usual);
 }
 
 TEST_F(TerrainRendererTest, RowsAreThePictureFromTopToBottom) {
@@ -195,7 +196,7 @@ TEST_F(TerrainRendererTest, RowsAreThePictureFromTopToBottom) {
   const Frame counts = renderer->draw_rows(from, picture, DrawMode::lit, Highlights::roll_off, [&](const LightRows& rows) {
     ASSERT_EQ(rows.y * picture.width * 4, static_cast<std::int64_t>(rgba.size()));
     ASSERT_EQ(rows.size.width, picture.width);
-    EXPECT_LE(rows.size.height, 512);
+    EXPECT_LE(rows.size.height, 640);
     rgba.resize(rgba.size() + static_cast<std::size_t>(rows.size.cells() * 4));
     develop(rows, 1, &rgba[static_cast<std::size_t>(rows.y * picture.width * 4)]);
   });
@@ -257,7 +258,7 @@ TEST_F(TerrainRendererTest, LevelOfDetailTakesUnderAQuarterOfTheFullGrid) {
   const Camera from = frame_box(renderer->box(), 200, 35, 30, 16.0 / 9);
   std::vector<TerrainPatch> full;
   for (std::int32_t y = 0; y < dem.size().height - 1; y += node_cells)
-    for (std::int32_t x = 0; x < dem.size().width - 1; x += node_cells) full.push_back({x, y, 0, {64, 64, 64, 64}, {64, 64}, 0});
+    for (std::int32_t x = 0; x < dem.size().width - 1; x += node_cells) full.push_back({x, y, 0, {16, 16, 16, 16}, {16, 16}, 0});
   // Seconds of all cores, tiles included.
   const auto time = [&](const std::vector<TerrainPatch>& patches, Frame& frame) {
     const std::clock_t start = std::clock();
