@@ -113,7 +113,7 @@ void check_picture_path(const std::string& path, bool overwrite) {
   StagedFiles(path, overwrite);  // makes its folder and removes it again
 }
 
-void write_picture(const std::string& path, const Picture& picture, bool overwrite) {
+void write_picture(const std::string& path, const Picture& picture, bool overwrite, int jpeg_quality) {
   const auto pixels = static_cast<std::size_t>(picture.width() * picture.height());
   const bool opaque = std::all_of(picture.data(), picture.data() + pixels, [](const Colour& c) { return c[3] == 255; });
   const std::size_t channels = opaque ? 3 : 4;
@@ -134,6 +134,7 @@ void write_picture(const std::string& path, const Picture& picture, bool overwri
     for (std::size_t c = 0; c < channels; ++c) bytes[i * channels + c] = picture.data()[i][c];
   OIIO::ImageSpec spec(width, height, static_cast<int>(channels), OIIO::TypeDesc::UINT8);
   spec.attribute("oiio:UnassociatedAlpha", 1);
+  if (const std::string extension = extension_of(path); extension == "jpg" || extension == "jpeg") spec.attribute("CompressionQuality", jpeg_quality);
   write_pixels(path, spec, OIIO::TypeDesc::UINT8, bytes.data(), OIIO::AutoStride, overwrite);
 }
 

@@ -36,8 +36,8 @@ class Picture {
 /// opacity; EXR takes half floats of linear light. The file appears under its name only when it is whole (a temporary name beside
 /// it, flushed, renamed). Same picture, same bytes.
 /// Throws Error{disk} where the file exists (unless `overwrite`), its folder is missing or cannot be written, or the disk fails;
-/// Error{format} where no writer knows the extension.
-void write_picture(const std::string& path, const Picture& picture, bool overwrite = false);
+/// Error{format} where no writer knows the extension. `jpeg_quality`: 1 to 100, of JPEG.
+void write_picture(const std::string& path, const Picture& picture, bool overwrite = false, int jpeg_quality = 98);
 
 /// What the samples of a file are: sRGB of 8 or 16 bits, or half floats of linear light.
 enum class PictureDepth { bits8, bits16, half };

@@ -9,10 +9,12 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <span>
 #include <string_view>
 
 #include <nlohmann/json.hpp>
 
+#include "core/support/deflate.h"
 #include "core/support/error.h"
 #include "gis/html_text.h"
 #include "gis/staged_files.h"
@@ -24,15 +26,17 @@ extern const char arete_page_css[], arete_page_css_end[];
 extern const char arete_page_js[], arete_page_js_end[];
 extern const char arete_page_licence[], arete_page_licence_end[];
 extern const char arete_page_three[], arete_page_three_end[];
-extern const char arete_page_orbit[], arete_page_orbit_end[];
 }
 
 namespace arete {
 namespace {
 
-constexpr std::uint16_t void_step = 65535;
+// Three times smaller than the best, and no difference to be seen.
+constexpr int jpeg_quality = 90;
 
 std::string_view between(const char* begin, const char* end) { return {begin, static_cast<std::size_t>(end - begin)}; }
+
+std::string base64_of(const std::vector<std::byte>& bytes) { return base64({reinterpret_cast<const char*>(bytes.data()), bytes.size()}); }
 
 /// JSON that neither ends the script element that it stands in nor opens a comment there; bytes that are not UTF-8 become U+FFFD.
 std::string script_json(const nlohmann::json& data) {
@@ -46,20 +50,10 @@ std::string script_json(const nlohmann::json& data) {
   return safe;
 }
 
-std::string little_endian(const std::vector<std::uint16_t>& values) {
-  std::string bytes;
-  bytes.reserve(2 * values.size());
-  for (const std::uint16_t value : values) {
-    bytes += static_cast<char>(value & 255);
-    bytes += static_cast<char>(value >> 8);
-  }
-  return bytes;
-}
-
 std::string jpeg(const Picture& picture, const StagedFiles& files) {
   const std::filesystem::path path = files.scratch("picture.jpg");
   std::filesystem::create_directories(path.parent_path());
-  write_picture(path.string(), picture, true);
+  write_picture(path.string(), picture, true, jpeg_quality);
   std::string bytes;
   {
     std::ifstream file(path, std::ios::binary);
@@ -77,8 +71,9 @@ std::string css_colour(const Colour& colour) {
   return text;
 }
 
-nlohmann::json describe(const PageTerrain& terrain, const PageHeights& heights) {
-  return {{"name", terrain.name}, {"facts", terrain.facts}, {"width", terrain.cells.width()}, {"height", terrain.cells.height()},
+nlohmann::json describe(const PageTerrain& terrain) {
+  const PageHeights& heights = terrain.heights;
+  return {{"name", terrain.name}, {"facts", terrain.facts}, {"width", heights.size.width}, {"height", heights.size.height},
           {"low", heights.low_m}, {"step", heights.step_m}, {"placement", terrain.placement},
           {"picture", {terrain.picture.width(), terrain.picture.height()}}, {"pixelsPerCell", terrain.pixels_per_cell}};
 }
@@ -100,46 +95,27 @@ std::string fill_in(std::string_view text, const std::vector<std::pair<std::stri
 
 }  // namespace
 
-PageHeights quantise_heights(RasterView<const float> cells) {
-  PageHeights heights;
-  double low = INFINITY, high = -INFINITY;
-  for (std::int64_t y = 0; y < cells.height; ++y)
-    for (std::int64_t x = 0; x < cells.width; ++x)
-      if (const auto z = static_cast<double>(cells(x, y)); !is_void(cells(x, y))) low = std::min(low, z), high = std::max(high, z);
-  if (low <= high) heights.low_m = low, heights.step_m = (high - low) / (void_step - 1);
-  heights.steps.reserve(static_cast<std::size_t>(cells.size().cells()));
-  for (std::int64_t y = 0; y < cells.height; ++y)
-    for (std::int64_t x = 0; x < cells.width; ++x) {
-      if (is_void(cells(x, y)))
-        heights.steps.push_back(void_step);
-      else
-        heights.steps.push_back(heights.step_m > 0 ? static_cast<std::uint16_t>(std::lround((static_cast<double>(cells(x, y)) - low) / heights.step_m)) : 0);
-    }
-  return heights;
-}
-
 void write_terrain_page(const std::string& path, const TerrainPage& page, bool overwrite) {
   assert(page.terrains.size() == 1 || page.terrains.size() == 2);
   StagedFiles files(path, overwrite);
   nlohmann::json data = {{"terrains", nlohmann::json::array()}, {"ramp", nlohmann::json::array()}, {"low", page.low_m}, {"high", page.high_m},
-                         {"exaggeration", page.exaggeration}, {"metric", page.metric}};
+                         {"exaggeration", page.exaggeration}, {"metric", page.metric}, {"credit", page.credit}, {"version", ARETE_VERSION}};
   for (const Colour& colour : page.ramp) data["ramp"].push_back(css_colour(colour));
   std::string elements;
   for (std::size_t i = 0; i < page.terrains.size(); ++i) {
     const PageTerrain& terrain = page.terrains[i];
-    const PageHeights heights = quantise_heights(terrain.cells.view());
-    data["terrains"].push_back(describe(terrain, heights));
+    data["terrains"].push_back(describe(terrain));
     const std::string number = std::to_string(i);
-    elements += "<script type=\"text/plain\" id=\"heights-" + number + "\">" + base64(little_endian(heights.steps)) + "</script>\n";
+    elements += "<script type=\"text/plain\" id=\"heights-" + number + "\">" + base64_of(pack_heights(terrain.heights)) + "</script>\n";
     elements += "<img hidden alt=\"\" id=\"picture-" + number + "\" src=\"data:image/jpeg;base64," + base64(jpeg(terrain.picture, files)) + "\">\n";
   }
-  const std::string title = escape_html(page.title), json = script_json(data);
+  const std::string title = escape_html(page.title), json = script_json(data), licence = escape_html(between(arete_page_licence, arete_page_licence_end));
+  const std::string three = base64_of(deflate_bytes(std::as_bytes(std::span(arete_page_three, arete_page_three_end))));
   const std::string html = fill_in(between(arete_page_html, arete_page_html_end),
                                    {{"@TITLE@", title},
                                     {"@STYLE@", between(arete_page_css, arete_page_css_end)},
-                                    {"@LICENCE@", between(arete_page_licence, arete_page_licence_end)},
-                                    {"@THREE@", between(arete_page_three, arete_page_three_end)},
-                                    {"@ORBIT@", between(arete_page_orbit, arete_page_orbit_end)},
+                                    {"@LICENCE@", licence},
+                                    {"@THREE@", three},
                                     {"@PAGE@", json},
                                     {"@TERRAINS@", elements},
                                     {"@SCRIPT@", between(arete_page_js, arete_page_js_end)}});

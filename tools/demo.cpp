@@ -27,6 +27,7 @@
 #include "tools/comparison_report.h"
 #include "tools/dem_options.h"
 #include "tools/output_folder.h"
+#include "tools/preview_page.h"
 #include "tools/report.h"
 #include "tools/verbs.h"
 
@@ -313,6 +314,17 @@ void add_pictures(Report& report, const OutputFolder& folder, const Trial& trial
   }
 }
 
+/// What was given and what was made of it, on a page that turns. Without georeference only rasters of one size lie on each other.
+void add_terrain_page(Report& report, const OutputFolder& folder, const std::string& before, const CommonOptions& common, Progress& progress) {
+  PageArguments arguments{.input = folder.file(before), .output = folder.file("terrain.html"), .compare = folder.file("detail-1.tif"), .reading = {}, .relief = {}};
+  arguments.relief.threads = common.threads;
+  write_terrain_page(arguments.output, make_preview_page(arguments, common, progress));
+  report.frames.push_back({"Before and after",
+                           "Left of the line " + before + ", right of it detail-1.tif: draw the line to compare, drag the terrain to turn it. "
+                           "The same page fills a window as terrain.html.",
+                           arguments.output});
+}
+
 Report make_report(const Terrain& terrain, const Trial& trial, const std::vector<Outcome>& outcomes, const DemoOptions& demo,
                    const CommonOptions& common, double learning_s) {
   const std::string factor = std::to_string(demo.factor), metres = number(trial.fine_cell.x_m, 1);
@@ -339,7 +351,7 @@ Report make_report(const Terrain& terrain, const Trial& trial, const std::vector
 }
 
 std::vector<std::string> reproducing_commands(const Terrain& terrain, const std::vector<Outcome>& outcomes, const DemoOptions& demo,
-                                              const CommonOptions& common) {
+                                              const std::string& before, const CommonOptions& common) {
   const std::string factor = std::to_string(demo.factor);
   std::vector<std::string> commands = {"# in this folder; " + std::string("exemplar.tif, truth.tif and input.tif were made from ") + terrain.name,
                                        "arete learn exemplar.tif dictionary.atoms --overwrite --factor " + factor + " --atoms " +
@@ -349,6 +361,7 @@ std::vector<std::string> reproducing_commands(const Terrain& terrain, const std:
     commands.push_back("arete compare truth.tif " + outcome.file + " --factor " + factor);
   }
   commands.push_back("arete preview detail-1.tif detail-1.png");
+  commands.push_back("arete preview " + before + " terrain.html --compare detail-1.tif --overwrite");
   return commands;
 }
 
@@ -402,7 +415,9 @@ void run_demo(const DemoOptions& demo, const CommonOptions& common) {
 
   Report report = make_report(terrain, trial, outcomes, demo, common, learning_s);
   add_pictures(report, folder, trial, outcomes, demo, common, *progress);
-  report.commands = reproducing_commands(terrain, outcomes, demo, common);
+  const std::string before = trial.input.geo.transform ? "input.tif" : "bicubic.tif";
+  add_terrain_page(report, folder, before, common, *progress);
+  report.commands = reproducing_commands(terrain, outcomes, demo, before, common);
   write_page(folder.file("index.html"), report);
   folder.publish();
   const std::string page = (std::filesystem::path(out) / "index.html").lexically_normal().string();

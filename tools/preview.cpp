@@ -26,7 +26,7 @@ namespace {
 enum Kind : unsigned { top = 1, perspective = 2, profile = 4, page = 8 };
 
 struct PreviewArguments {
-  std::string input, output, compare, view = "top", ramp = "land", azimuth = "multi";
+  std::string input, output, compare, view = "top", ramp = "land", azimuth = "multi", credit;
   std::vector<double> line;
   std::int64_t width = 0;
   double exaggeration = 0;
@@ -111,7 +111,8 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
   options.threads = common.threads;
   if (arguments.kind() == page) {
     write_preview_page({.input = arguments.input, .output = arguments.output, .compare = arguments.compare,
-                        .reading = {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, .relief = options, .legend = options.legend},
+                        .reading = {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, .relief = options, .legend = options.legend,
+                        .credit = arguments.credit},
                        common);
     return;
   }
@@ -170,6 +171,7 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
       ->check(above_zero());
   of(verb->add_option("--azimuth", arguments->azimuth, "Light: 'multi' for four about the north-west (default), or one from so many degrees"), top | perspective | page);
   of(verb->add_flag("--no-legend", arguments->no_legend, "The picture alone"), top | perspective | page);
+  of(verb->add_option("--credit", arguments->credit, "Page: whose data it shows, in a line below the scale"), page)->type_name("TEXT");
   of(verb->add_flag("--no-wireframe", arguments->no_wireframe, "The relief of a mesh without the sides of its triangles"), top);
   verb->add_option("--band", arguments->band, "Band, counted from 1 (default: 1)")->check(CLI::PositiveNumber);
   verb->add_flag("--terrain-rgb", arguments->terrain_rgb, "The input is a Mapbox terrain-RGB picture");

@@ -18,6 +18,7 @@ h1 { font-size: 1.6rem; } h2 { font-size: 1.2rem; margin-top: 2rem; }
 p { max-width: 46rem; }
 h3 { font-size: 1rem; margin-top: 1.5rem; }
 figure { margin: 1.5rem 0; } img, svg { max-width: 100%; height: auto; display: block; }
+iframe { display: block; width: 100%; height: min(660px, 88vh); border: 1px solid var(--line); border-radius: 6px; background: #eeece6; }
 figcaption { max-width: 46rem; margin-top: .4rem; opacity: .8; }
 .wide { overflow-x: auto; } table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .8rem; text-align: right; border-bottom: 1px solid var(--line); }
@@ -29,8 +30,8 @@ footer { margin-top: 2rem; font-size: .9rem; opacity: .7; }
 std::string read_bytes(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
-  if (!file && !file.eof()) throw Error(ErrorKind::disk, path + ": cannot read the picture for the report");
-  if (bytes.empty()) throw Error(ErrorKind::disk, path + ": the picture for the report is missing or empty");
+  if (!file && !file.eof()) throw Error(ErrorKind::disk, path + ": cannot read it for the report");
+  if (bytes.empty()) throw Error(ErrorKind::disk, path + ": missing or empty, and the report needs it");
   return bytes;
 }
 
@@ -62,6 +63,9 @@ std::string write_html(const Report& report) {
       << escape_html(report.title) << "</title>\n<style>" << style << "</style>\n</head>\n<body>\n<h1>" << escape_html(report.title) << "</h1>\n";
   for (const std::string& paragraph : report.introduction) out << "<p>" << escape_html(paragraph) << "</p>\n";
 
+  for (const Report::Frame& frame : report.frames)
+    out << "<h2>" << escape_html(frame.heading) << "</h2>\n<figure><iframe title=\"" << escape_html(frame.heading) << "\" loading=\"lazy\" allow=\"fullscreen\" srcdoc=\""
+        << escape_html(read_bytes(frame.html)) << "\"></iframe><figcaption>" << escape_html(frame.caption) << "</figcaption></figure>\n";
   for (const Report::Section& section : report.sections) write_section(out, section);
   if (!report.columns.empty()) {
     out << "<h2>Figures</h2>\n";

@@ -19,8 +19,14 @@ struct Report {
     std::vector<std::vector<std::string>> rows = {};
     std::string svg = {};                            ///< a drawing, put into the page as it is; empty: none
   };
+  /// A page within the page, in a frame of its own.
+  struct Frame {
+    std::string heading, caption;
+    std::string html;  ///< path of the file, which is copied into the page
+  };
   std::string title;
   std::vector<std::string> introduction = {};        ///< paragraphs, plain text
+  std::vector<Frame> frames = {};
   std::vector<Section> sections = {};
   std::vector<std::string> columns = {};             ///< of the table; the first names the row
   std::vector<std::vector<std::string>> rows = {};   ///< cells
@@ -30,7 +36,7 @@ struct Report {
   std::string footer = {};
 };
 
-/// One HTML page that needs no other file and no network. Throws Error{disk} where a picture cannot be read.
+/// One HTML page that needs no other file and no network. Throws Error{disk} where a picture or a frame cannot be read.
 std::string write_html(const Report& report);
 
 }  // namespace arete::tools

@@ -11,13 +11,28 @@ function fail(text) {
   root.dataset.state = 'failed';
 }
 
-// Heights: 16 bits, the lower byte first; 65535 where void.
-function readSteps(id) {
-  const bytes = atob(element(id).textContent), steps = new Uint16Array(bytes.length / 2);
-  for (let i = 0; i < steps.length; ++i) steps[i] = bytes.charCodeAt(2 * i) | bytes.charCodeAt(2 * i + 1) << 8;
+// Bytes of a zlib stream in base64.
+async function inflate(id) {
+  const bytes = Uint8Array.from(atob(element(id).textContent), c => c.charCodeAt(0));
+  element(id).remove();
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream('deflate'));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+// Steps above the lowest, as pack_heights of gis/page_heights.h describes them.
+const VOID = 65535, MAX_STEP = 16385;
+function readSteps(bytes, width, height) {
+  const count = width * height, steps = new Uint16Array(count), known = new Int32Array(count);
+  for (let y = 0, i = 0; y < height; ++y)
+    for (let x = 0; x < width; ++x, ++i) {
+      let foretold = (x ? known[i - 1] : 0) + (y ? known[i - width] : 0) - (x && y ? known[i - width - 1] : 0);
+      foretold = Math.min(MAX_STEP, Math.max(0, foretold));
+      const code = bytes[i] | bytes[count + i] << 8;
+      known[i] = code === 0 ? foretold : foretold + (code & 1 ? code >> 1 : -(code >> 1));
+      steps[i] = code === 0 ? VOID : known[i];
+    }
   return steps;
 }
-const VOID = 65535;
 
 // Metres east and south, the centre of the first terrain at the origin.
 function place(t, column, row) {
@@ -66,19 +81,31 @@ function surface(t) {
   return geometry;
 }
 
-// Walls from the outermost cells down to a floor, so that terrain looks cut from a block, and voids like holes, not like snow.
+// Walls from the rim of the surface, that of its holes too, down to a floor: terrain looks cut from a block, and a void like a hole.
 // `foot`: 1 at the bottom.
 function walls(t, top) {
   const { width, height, steps } = t, at = top.attributes.position.array;
   const position = [], foot = [], shade = [];
-  const edge = (a, b, light) => {
-    if (steps[a] === VOID || steps[b] === VOID) return;
-    const corner = (i, f) => { position.push(at[3 * i], at[3 * i + 1], at[3 * i + 2]); foot.push(f); shade.push(light); };
+  // One tone along ragged rims, darker below, so that holes look deep; along straight sides of the block its light.
+  const wall = (a, b, light) => {
+    const corner = (i, f) => { position.push(at[3 * i], at[3 * i + 1], at[3 * i + 2]); foot.push(f); shade.push(light || (f ? 0.56 : 0.8)); };
     corner(a, 0); corner(a, 1); corner(b, 0);
     corner(b, 0); corner(a, 1); corner(b, 1);
   };
-  for (let x = 0; x + 1 < width; ++x) { edge(x, x + 1, 0.93); edge((height - 1) * width + x, (height - 1) * width + x + 1, 0.86); }
-  for (let y = 0; y + 1 < height; ++y) { edge(y * width, (y + 1) * width, 1); edge((y + 1) * width - 1, (y + 2) * width - 1, 0.78); }
+  // Whether the block has its four corners: else its sides are rims too.
+  const whole = [0, width - 1, (height - 1) * width, height * width - 1].every(i => steps[i] !== VOID);
+  const valid = (x, y) => steps[y * width + x] !== VOID ? 1 : 0;
+  // Whether triangles lie in the square whose upper left corner is that cell.
+  const covered = (x, y) => x >= 0 && y >= 0 && x + 1 < width && y + 1 < height && valid(x, y) + valid(x + 1, y) + valid(x, y + 1) + valid(x + 1, y + 1) >= 3;
+  for (let y = 0; y < height; ++y)
+    for (let x = 0; x < width; ++x) {
+      const a = y * width + x, b = a + 1, c = a + width, d = c + 1, here = covered(x, y);
+      if (x + 1 < width && valid(x, y) && valid(x + 1, y) && covered(x, y - 1) !== here) wall(a, b, whole && y === 0 ? 0.93 : whole && y + 1 === height ? 0.86 : 0);
+      if (y + 1 < height && valid(x, y) && valid(x, y + 1) && covered(x - 1, y) !== here) wall(a, c, whole && x === 0 ? 1 : whole && x + 1 === width ? 0.78 : 0);
+      if (!here) continue;
+      if (steps[a] === VOID || steps[d] === VOID) wall(b, c, 0);
+      else if (steps[b] === VOID || steps[c] === VOID) wall(a, d, 0);
+    }
   const corners = [0, width - 1, (height - 1) * width, height * width - 1];
   for (const i of [0, 2, 1, 1, 2, 3].map(k => corners[k])) { position.push(at[3 * i], 0, at[3 * i + 2]); foot.push(1); shade.push(0.68); }
   const geometry = new THREE.BufferGeometry();
@@ -153,16 +180,25 @@ function round125(value) {
   const power = Math.pow(10, Math.floor(Math.log10(value)));
   return (value >= 5 * power ? 5 : value >= 2 * power ? 2 : 1) * power;
 }
-const number = (value, decimals) => value.toLocaleString('en-GB', { minimumFractionDigits: decimals, maximumFractionDigits: decimals });
-const metres = value => number(value, highest - lowest >= 20 ? 0 : highest - lowest >= 2 ? 1 : 2) + ' m';
+const number = (value, decimals) => value.toLocaleString('en-GB', { minimumFractionDigits: decimals, maximumFractionDigits: decimals }).replace('-', '\u2212');
+function metres(value) {
+  const decimals = highest - lowest >= 20 ? 0 : highest - lowest >= 2 ? 1 : 2;
+  return number(+value.toFixed(decimals) + 0, decimals) + ' m';  // + 0: no minus before 0
+}
 const distance = value => value >= 1000 ? number(value / 1000, 0) + ' km' : String(+value.toPrecision(3)) + ' m';
 
-function start() {
+async function start() {
   const canvas = element('view');
   const context = canvas.getContext('webgl2', { alpha: true, antialias: true });
   if (!context) return fail('This page needs WebGL 2, which this browser does not offer, or has switched off.');
+  if (!window.DecompressionStream) return fail('This browser is too old for this page: it needs Chromium 80, Firefox 113, Safari 16.4 or later.');
+  const packed = await Promise.all(['three', ...terrains.map((t, i) => 'heights-' + i)].map(inflate));
+  const library = document.createElement('script');
+  library.textContent = new TextDecoder().decode(packed[0]);
+  document.head.append(library);
+  await Promise.all(terrains.map((t, i) => element('picture-' + i).decode()));
   terrains.forEach((t, i) => {
-    t.steps = readSteps('heights-' + i);
+    t.steps = readSteps(packed[i + 1], t.width, t.height);
     let top = -1;
     for (const s of t.steps) if (s !== VOID && s > top) top = s;
     if (top < 0) return;
@@ -188,21 +224,23 @@ function start() {
     return scene(t, texture);
   });
   const camera = new THREE.PerspectiveCamera(30, 1, 1, 10);
-  const controls = new THREE.OrbitControls(camera, canvas);
-  controls.enableKeys = false;
-  controls.maxPolarAngle = 0.495 * Math.PI;
-  controls.zoomSpeed = 0.8;
-  controls.minDistance = reach / 200;
-  controls.maxDistance = reach * 12;
+  const halfView = Math.tan(camera.fov * Math.PI / 360);
+
+  // The camera looks at `target` from `away`; azimuth 0 is south of it, tilt 0 above it.
+  const target = new THREE.Vector3();
+  let azimuth = 0, tilt = 0, away = 1;
+  const steepest = 1e-3, flattest = 0.495 * Math.PI;
+  const within = (value, low, high) => Math.min(high, Math.max(low, value));
 
   let split = 0.5, wanted = false;
   const size = () => [canvas.clientWidth || 1, canvas.clientHeight || 1];
 
   function render() {
     wanted = false;
-    const [width, height] = size(), away = camera.position.distanceTo(controls.target);
-    camera.near = Math.max(away / 400, (away - 3 * reach) / 2);
-    camera.far = away + 4 * reach + (highest - lowest) * common.lift.value;
+    const [width, height] = size();
+    aim();
+    camera.near = Math.max(away / 400, (away - 4 * reach) / 2);
+    camera.far = away + 5 * reach + (highest - lowest) * common.lift.value;
     camera.updateProjectionMatrix();
     renderer.setScissorTest(two);
     const at = Math.round(width * split);
@@ -212,10 +250,11 @@ function start() {
       renderer.setScissor(at, 0, width - at, height);
       renderer.render(scenes[1], camera);
     }
-    showScale(away, height);
-    const turn = controls.getAzimuthalAngle();
-    element('needle').setAttribute('transform', `rotate(${turn * 180 / Math.PI})`);
-    root.dataset.azimuth = turn.toFixed(4);
+    showScale(height);
+    element('needle').setAttribute('transform', `rotate(${azimuth * 180 / Math.PI})`);
+    root.dataset.azimuth = azimuth.toFixed(4);
+    root.dataset.tilt = tilt.toFixed(4);
+    root.dataset.target = target.x.toFixed(2) + ' ' + target.z.toFixed(2);
     root.dataset.distance = away.toFixed(3);
     if (root.dataset.state === 'loading') root.dataset.state = 'ready';
   }
@@ -225,43 +264,87 @@ function start() {
     requestAnimationFrame(render);
   }
 
-  function showScale(away, height) {
+  const metresPerPixel = height => 2 * away * halfView / height;
+  function showScale(height) {
     if (!page.metric) return;
-    const perPixel = 2 * away * Math.tan(camera.fov * Math.PI / 360) / height;
-    const length = round125(110 * perPixel);
+    const perPixel = metresPerPixel(height);
+    const length = round125((size()[0] > 760 ? 100 : 54) * perPixel);
     element('bar').style.width = length / perPixel + 'px';
     element('bar-text').textContent = distance(length) + ' at the centre';
   }
 
-  // From the south, 40 degrees high, so that the whole block is in sight.
+  // How high the ground is drawn there; 0 beside it and in voids.
+  function ground(east, south) {
+    for (const t of terrains) {
+      const z = heightAt(t, east, south);
+      if (!Number.isNaN(z)) return (z - lowest) * common.lift.value;
+    }
+    return 0;
+  }
+  const arm = (angle, length) => new THREE.Vector3().setFromSphericalCoords(length, angle, azimuth);
+  // From near by, what is looked at is the ground; the camera stays above it.
+  function aim() {
+    target.x = within(target.x, -1.2 * reach, 1.2 * reach);
+    target.z = within(target.z, -1.2 * reach, 1.2 * reach);
+    const near = within(1.6 - away / reach, 0, 1), middle = restingHeight * (1 - near) + ground(target.x, target.z) * near;
+    target.y = middle;
+    let angle = tilt;
+    do {
+      camera.position.copy(arm(angle, away)).add(target);
+      angle -= 0.02;
+    } while (angle > steepest && camera.position.y < ground(camera.position.x, camera.position.z) + 0.03 * away);
+    camera.lookAt(target);
+    camera.updateMatrixWorld();
+  }
+
+  // From the south, so that the whole block fills the window but for its rim.
+  let restingHeight = 0;
   function showAll() {
-    const [width, height] = size(), half = camera.fov * Math.PI / 360;
-    const away = reach * 0.92 / Math.tan(Math.min(half, Math.atan(Math.tan(half) * width / height)));
-    const from = 42 * Math.PI / 180;
-    controls.target.set(0, (highest - lowest) * common.lift.value * 0.35 - 0.06 * reach, 0);
-    camera.position.set(0, Math.sin(from), Math.cos(from)).multiplyScalar(away).add(controls.target);
-    controls.update();
+    const [width, height] = size(), top = (highest - lowest) * common.lift.value;
+    azimuth = 0;
+    tilt = 48 * Math.PI / 180;
+    const up = [Math.sin(tilt), Math.cos(tilt)];  // of a step up, over the window, and towards the camera
+    const box = corners.flatMap(([x, y]) => [common.base.value, top].map(z => [x, z, y]));
+    // The room that the cards leave: above the controls, on a phone below the names and above the legend too.
+    const phone = width <= 760, edge = (id, side) => element(id).getBoundingClientRect()[side];
+    const roof = 1 - 2 * Math.min(0.35, (phone ? Math.max(edge('label-0', 'bottom'), edge('label-1', 'bottom')) + 12 : 24) / height);
+    const floor = 1 - 2 * Math.max(0.65, (edge(phone ? 'foot' : 'controls', 'top') - 12) / height);
+    const share = (roof - floor) / 2, centre = (roof + floor) / 2, shareX = halfView * width / height * (phone ? 0.96 : 0.9);
+    restingHeight = top / 2;
+    for (let round = 0; round < 12; ++round) {
+      const seen = box.map(([x, z, y]) => [x, (z - restingHeight) * up[0] - y * up[1], (z - restingHeight) * up[1] + y * up[0]]);
+      away = Math.max(...seen.map(([x, y, near]) => near + Math.max(Math.abs(x) / shareX, y / (halfView * (share + centre)), -y / (halfView * (share - centre)))));
+      const heights = seen.map(([x, y, near]) => y / (away - near));
+      restingHeight += ((Math.max(...heights) + Math.min(...heights)) / 2 - halfView * centre) * away / up[0];
+    }
+    target.set(0, restingHeight, 0);
     draw();
   }
 
-  function turn(azimuth, polar, zoom) {
-    const arm = new THREE.Spherical().setFromVector3(camera.position.clone().sub(controls.target));
-    arm.theta += azimuth;
-    arm.phi = Math.min(controls.maxPolarAngle, Math.max(1e-3, arm.phi + polar));
-    arm.radius = Math.min(controls.maxDistance, Math.max(controls.minDistance, arm.radius * zoom));
-    camera.position.setFromSpherical(arm).add(controls.target);
-    controls.update();
+  function turn(by, tiltBy) {
+    azimuth = Math.atan2(Math.sin(azimuth + by), Math.cos(azimuth + by));
+    tilt = within(tilt + tiltBy, steepest, flattest);
     draw();
   }
+  // To the right and away from the camera, in metres.
   function move(right, forward) {
-    const away = camera.position.distanceTo(controls.target), a = controls.getAzimuthalAngle();
-    const step = new THREE.Vector3(right * Math.cos(a) - forward * Math.sin(a), 0, -right * Math.sin(a) - forward * Math.cos(a)).multiplyScalar(away * 0.06);
-    camera.position.add(step);
-    controls.target.add(step);
-    controls.update();
+    target.x += right * Math.cos(azimuth) - forward * Math.sin(azimuth);
+    target.z += -right * Math.sin(azimuth) - forward * Math.cos(azimuth);
     draw();
   }
-  const northUp = () => turn(-controls.getAzimuthalAngle(), 0, 1);
+  // Pixels of the window, down its y, on the ground.
+  function slide(x, y) {
+    const perPixel = metresPerPixel(size()[1]);
+    move(x * perPixel, -y * perPixel / Math.max(0.3, Math.cos(tilt)));
+  }
+  // What is at that pixel stays there.
+  function zoom(factor, x, y) {
+    const [width, height] = size(), before = away;
+    away = within(away * factor, reach / 200, 8 * reach);
+    if (x !== undefined) slide((x - width / 2) * (before / away - 1), (y - height / 2) * (before / away - 1));
+    draw();
+  }
+  const northUp = () => turn(-azimuth, 0);
 
   // What is under the pointer: walks along the ray until it is below the heights.
   function heightAt(t, east, south) {
@@ -274,11 +357,13 @@ function start() {
     return t.low + t.step * ((s[i] * (1 - u) + s[i + 1] * u) * (1 - v) + (s[i + t.width] * (1 - u) + s[i + t.width + 1] * u) * v);
   }
   function readOut(event) {
+    if (root.dataset.state === 'loading') return;
     const [width, height] = size(), t = terrains[two && event.clientX > width * split ? 1 : 0];
     const ray = new THREE.Raycaster();
+    aim();
     ray.setFromCamera({ x: 2 * event.clientX / width - 1, y: 1 - 2 * event.clientY / height }, camera);
     const { origin, direction } = ray.ray, top = (highest - lowest) * common.lift.value;
-    let text = '\u00a0';
+    let text = '';
     if (direction.y < 0) {
       const begin = Math.max(0, (origin.y - top) / -direction.y), end = origin.y / -direction.y, steps = 1200;
       for (let k = 0; k <= steps; ++k) {
@@ -328,27 +413,83 @@ function start() {
     label.hidden = false;
   });
   if (page.ramp.length > 1) {
-    element('ramp').style.background = `linear-gradient(90deg, ${page.ramp.join(',')})`;
-    element('ramp-low').textContent = metres(page.low);
-    element('ramp-high').textContent = metres(page.high);
+    element('ramp').style.backgroundImage = `linear-gradient(90deg, ${page.ramp.join(',')})`;
+    // The ramp ends where few cells are beyond.
+    element('ramp-low').textContent = (page.low > lowest + 0.5 ? '\u2264 ' : '') + metres(page.low);
+    element('ramp-middle').textContent = metres((page.low + page.high) / 2);
+    element('ramp-high').textContent = (page.high < highest - 0.5 ? '\u2265 ' : '') + metres(page.high);
     element('legend').hidden = false;
   }
   element('scale').hidden = !page.metric;
   element('interval').textContent = highest > lowest ? `every ${+common.interval.value.toPrecision(3)} m` : '';
   element('divider').hidden = !two;
 
-  controls.addEventListener('change', draw);
+  // One pointer turns, or moves with another button or shift; two move, zoom and twist. Two short taps, or clicks, show all.
+  const pointers = new Map();
+  let tap = null, lastTap = null;
+  const framed = window.parent !== window, whole = () => !framed || document.fullscreenElement;
+  root.classList.toggle('framed', framed);
+  function gesture() {
+    const [a, b] = pointers.values();
+    return { x: (a.x + b.x) / 2, y: (a.y + b.y) / 2, spread: Math.max(10, Math.hypot(b.x - a.x, b.y - a.y)), angle: Math.atan2(b.y - a.y, b.x - a.x) };
+  }
+  canvas.addEventListener('pointerdown', event => {
+    canvas.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, { x: event.clientX, y: event.clientY, moves: event.button > 0 || event.shiftKey || event.ctrlKey || event.metaKey });
+    tap = pointers.size === 1 && event.button === 0 ? { x: event.clientX, y: event.clientY, time: event.timeStamp } : null;
+    canvas.focus({ preventScroll: true });
+  });
+  canvas.addEventListener('pointermove', event => {
+    const pointer = pointers.get(event.pointerId);
+    if (!pointer) return readOut(event);
+    if (tap && Math.hypot(event.clientX - tap.x, event.clientY - tap.y) > 8) tap = null;
+    const before = pointers.size === 2 ? gesture() : null, x = event.clientX - pointer.x, y = event.clientY - pointer.y;
+    pointer.x = event.clientX;
+    pointer.y = event.clientY;
+    if (before) {
+      const after = gesture();
+      slide(before.x - after.x, before.y - after.y);
+      zoom(before.spread / after.spread, after.x, after.y);
+      const twist = after.angle - before.angle;
+      turn(Math.atan2(Math.sin(twist), Math.cos(twist)), 0);
+    } else if (pointers.size === 1) {
+      const perPixel = 1.4 * Math.PI / size()[1];
+      if (pointer.moves) slide(-x, -y);
+      else turn(-x * perPixel, -y * perPixel);
+    }
+  });
+  canvas.addEventListener('pointerup', event => {
+    pointers.delete(event.pointerId);
+    const short = tap && event.timeStamp - tap.time < 400;
+    if (!short) return;
+    readOut(event);
+    if (lastTap && event.timeStamp - lastTap.time < 450 && Math.hypot(event.clientX - lastTap.x, event.clientY - lastTap.y) < 30) {
+      showAll();
+      lastTap = null;
+    } else lastTap = { x: event.clientX, y: event.clientY, time: event.timeStamp };
+  });
+  for (const name of ['pointercancel', 'lostpointercapture']) canvas.addEventListener(name, event => pointers.delete(event.pointerId));
+  canvas.addEventListener('pointerleave', event => { if (event.pointerType === 'mouse') element('readout').textContent = ''; });
+  // Within another page the wheel scrolls that page, until the terrain has been clicked.
+  canvas.addEventListener('wheel', event => {
+    if (!whole() && document.activeElement !== canvas && !event.ctrlKey) return;
+    event.preventDefault();
+    const lines = event.deltaY * (event.deltaMode === 1 ? 33 : event.deltaMode === 2 ? 400 : 1);
+    zoom(Math.pow(1.0016, within(lines, -400, 400)), event.clientX, event.clientY);
+  }, { passive: false });
+  document.addEventListener('mouseleave', () => { if (!whole()) canvas.blur(); });
+
   window.addEventListener('resize', resize);
   canvas.addEventListener('contextmenu', event => event.preventDefault());
-  canvas.addEventListener('pointermove', event => { if (event.buttons === 0) readOut(event); });
   canvas.addEventListener('webglcontextrestored', draw);
   canvas.addEventListener('keydown', event => {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
     const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
-    if (step && event.shiftKey) move(step[0], step[1]);
-    else if (step) turn(step[0] * 0.08, -step[1] * 0.06, 1);
-    else if (event.key === '+' || event.key === '=') turn(0, 0, 0.85);
-    else if (event.key === '-') turn(0, 0, 1 / 0.85);
-    else if (event.key === 'n') northUp();
+    if (step && event.shiftKey) move(step[0] * 0.06 * away, step[1] * 0.06 * away);
+    else if (step) turn(step[0] * 0.08, -step[1] * 0.06);
+    else if (event.key === '+' || event.key === '=') zoom(0.85);
+    else if (event.key === '-') zoom(1 / 0.85);
+    else if (event.key === 'n' || event.key === 'N') northUp();
     else if (event.key === '0' || event.key === 'Home') showAll();
     else return;
     event.preventDefault();
@@ -357,11 +498,24 @@ function start() {
     element(name).addEventListener('change', event => { common[name].value = event.target.checked; draw(); });
   element('reset').addEventListener('click', showAll);
   element('compass').addEventListener('click', northUp);
+  element('fill').hidden = !framed || !document.fullscreenEnabled;
+  element('fill').addEventListener('click', () => document.fullscreenElement ? document.exitFullscreen() : root.requestFullscreen().catch(() => {}));
+  document.addEventListener('fullscreenchange', () => { element('fill').textContent = document.fullscreenElement ? 'Leave full screen' : 'Fill screen'; });
+  element('ask').addEventListener('click', () => element('about').showModal());
+  element('help').textContent = matchMedia('(pointer: coarse)').matches ? 'One finger turns, two move and zoom, two taps show all'
+    : framed ? 'Drag turns, right button or shift moves; after a click the wheel zooms' : 'Drag turns, right button or shift moves, wheel zooms';
+  element('maker').textContent = 'Arete ' + page.version;
+  const digits = value => String(+value.toPrecision(3));
+  element('accuracy').textContent = terrains.filter(t => t.step > 0).map(t =>
+    `Heights of ${t.name} are kept in steps of ${digits(t.step)} m: none is off by more than ${digits(t.step / 2)} m.`).join(' ');
+  element('credit').textContent = page.credit;
+  element('credit').hidden = !page.credit;
+  element('key').classList.toggle('credited', Boolean(page.credit));
   element('controls').addEventListener('submit', event => event.preventDefault());
   const divider = element('divider');
   divider.addEventListener('pointerdown', event => { divider.setPointerCapture(event.pointerId); event.preventDefault(); divider.focus(); });
   divider.addEventListener('pointermove', event => { if (divider.hasPointerCapture(event.pointerId)) setSplit(event.clientX / size()[0]); });
-  divider.addEventListener('wheel', event => { canvas.dispatchEvent(new WheelEvent('wheel', event)); event.preventDefault(); }, { passive: false });
+  divider.addEventListener('wheel', event => { if (!canvas.dispatchEvent(new WheelEvent('wheel', event))) event.preventDefault(); }, { passive: false });
   divider.addEventListener('keydown', event => {
     const to = { ArrowLeft: split - 0.02, ArrowRight: split + 0.02, Home: 0, End: 1 }[event.key];
     if (to === undefined) return;
@@ -377,6 +531,5 @@ function start() {
   if (highest === lowest && terrains.every(t => t.steps.every(s => s === VOID))) fail('There is no valid cell to show.');
 }
 
-// Pictures are decoded before they become textures.
-Promise.all(terrains.map((t, i) => element('picture-' + i).decode())).then(start).catch(error => fail('The terrain could not be drawn: ' + error.message));
+start().catch(error => fail('The terrain could not be drawn: ' + error.message));
 })();

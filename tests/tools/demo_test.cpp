@@ -68,6 +68,8 @@ TEST_F(DemoVerb, ShowsAUsersDem) {
   EXPECT_EQ(data.at("report"), path("out/index.html"));
   EXPECT_EQ(data.at("methods").size(), 4u);
   EXPECT_NE(read(path("out/index.html")).find("300 x 210 cells of 30.0 m"), std::string::npos);
+  EXPECT_NE(read(path("out/index.html")).find("srcdoc=\"&lt;!doctype html&gt;"), std::string::npos);
+  EXPECT_NE(read(path("out/terrain.html")).find("<title>input.tif | detail-1.tif</title>"), std::string::npos);
 
   // The input is the average of the truth, where the truth lies, and the results have the truth's grid.
   const arete::DemReader truth(path("out/truth.tif")), input(path("out/input.tif")), result(path("out/detail-1.tif"));
@@ -83,6 +85,15 @@ TEST_F(DemoVerb, ShowsAUsersDem) {
     // Elevations up to 1300 m are floats to 6e-5 m.
     EXPECT_NEAR(averaged.data()[i], coarse.data()[i], 2e-4);
   }
+}
+
+TEST_F(DemoVerb, ADemWithoutGeoreferenceIsComparedWithItsBicubic) {
+  arete::DemWriter writer(path("plain.tif"), {192, 100}, {});
+  writer.write(0, {0, 0, 192, 100}, arete::synthesize_mountains({192, 100}, {.seed = 3}).view());
+  writer.commit();
+  const Outcome outcome = demo(path("plain.tif") + " " + path("out") + " --factor 2 --atoms 16");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_NE(read(path("out/terrain.html")).find("<title>bicubic.tif | detail-1.tif</title>"), std::string::npos);
 }
 
 TEST_F(DemoVerb, RefusesAFolderWithSomethingInIt) {

@@ -42,7 +42,9 @@ TEST_F(PreviewPage, SaysWhatItHolds) {
   const auto page = described(read(path("a.html")));
   EXPECT_EQ(page["terrains"][0]["name"], "a.tif");
   EXPECT_EQ(page["terrains"][0]["facts"][0], "200 \u00d7 120 cells of 30 m");
-  EXPECT_THAT(page["terrains"][0]["facts"][2].get<std::string>(), HasSubstr("heights in steps of"));
+  EXPECT_THAT(page["terrains"][0]["facts"][2].get<std::string>(), HasSubstr("all cells shown, heights within 0."));
+  EXPECT_EQ(data["terrains"][0]["max_error_m"].get<double>(), data["terrains"][0]["step_m"].get<double>() / 2);
+  EXPECT_EQ(page["terrains"][0]["step"], data["terrains"][0]["step_m"]);
 }
 
 TEST_F(PreviewPage, HasTheSameBytesForAnyThreadCount) {
@@ -108,6 +110,7 @@ TEST_F(PreviewPage, RefusesWhatItCannotShowInOneLineAndWritesNothing) {
   refused(a + " " + path("x.html") + " --compare " + zone, 3, "different coordinate systems");
   refused(a + " " + path("x.html") + " --compare " + path("none.tif"), 3, "none.tif");
   refused(a + " " + path("x.png") + " --compare " + a, 2, "--compare is not for --view top, but for pages (.html)");
+  refused(a + " " + path("x.png") + " --credit me", 2, "--credit is not for --view top, but for pages (.html)");
   refused(path("a.ply") + " " + path("x.html"), 4, "it is a mesh");
   refused(a + " " + path("none/x.html"), 5, "none");
   std::ofstream(path("mine.html")) << "mine";
@@ -120,13 +123,14 @@ class PreviewPageInABrowser : public PreviewPage {
  protected:
   void SetUp() override {
     PreviewPage::SetUp();
-    for (const char* program : {"/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"})
+    for (const char* program : {"/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome", "/usr/lib/chromium/chromium-headless-shell"})
       if (std::filesystem::exists(program)) browser_ = program;
-    if (browser_.empty()) GTEST_SKIP() << "no browser: install the package chromium";
+    if (browser_.empty()) GTEST_SKIP() << "no browser: install the package chromium-headless-shell, or chromium";
   }
-  nlohmann::json browse(const std::string& page) const {
+  nlohmann::json browse(const std::string& page, const std::string& flags = "") const {
     const std::string out = path("browsed.json");
-    const int status = std::system((ARETE_TEST_PYTHON " -B " ARETE_SOURCE_DIR "/tests/tools/browse_page.py " + browser_ + " " + page + " " + path("") + " > " + out).c_str());
+    const std::string program = ARETE_TEST_PYTHON " -B " ARETE_SOURCE_DIR "/tests/tools/browse_page.py ";
+    const int status = std::system((program + browser_ + " " + page + " " + path("") + " " + flags + " > " + out).c_str());
     EXPECT_EQ(status, 0);
     return status == 0 ? nlohmann::json::parse(read(out)) : nlohmann::json();
   }
@@ -152,6 +156,10 @@ class PreviewPageInABrowser : public PreviewPage {
       }
     return static_cast<double>(count) / (320 * 500);
   }
+  static double number(const nlohmann::json& text) { return std::stod(text.get<std::string>()); }
+  static void expect_same_view(const nlohmann::json& a, const nlohmann::json& b) {
+    for (const char* part : {"azimuth", "tilt", "distance", "target"}) EXPECT_EQ(a[part], b[part]) << part;
+  }
   static void expect_no_network(const nlohmann::json& result) {
     EXPECT_FALSE(result["requests"].empty());
     for (const auto& url : result["requests"]) {
@@ -174,25 +182,43 @@ TEST_F(PreviewPageInABrowser, ShowsTerrainThatADragTurns) {
   EXPECT_GT(coloured(before), 0.5);
   EXPECT_GT(changed(before, turned), 0.1);
   EXPECT_NE(result["before"]["azimuth"], result["turned"]["azimuth"]);
-  const auto number = [](const nlohmann::json& text) { return std::stod(text.get<std::string>()); };
   EXPECT_LT(number(result["zoomed"]["distance"]), number(result["turned"]["distance"]));
   EXPECT_THAT(result["zoomed"]["readout"].get<std::string>(), HasSubstr(" m at the pointer"));
   EXPECT_NEAR(number(result["north_up"]["azimuth"]), 0, 1e-3);
   EXPECT_GT(changed(before, read_picture(path("contours.png"))), 0.01);
+
+  // Keys: left, up, shift with up, plus, then 0.
+  EXPECT_NEAR(number(result["keyed"]["azimuth"]), -0.08, 1e-3);
+  EXPECT_NEAR(number(result["keyed"]["tilt"]), number(result["north_up"]["tilt"]) - 0.06, 1e-3);
+  EXPECT_NEAR(number(result["keyed"]["distance"]), 0.85 * number(result["north_up"]["distance"]), 1);
+  EXPECT_NE(result["keyed"]["target"], result["north_up"]["target"]);
+  expect_same_view(result["keyed_back"], result["before"]);
+  // The right button moves; a double click shows all again.
+  EXPECT_EQ(result["moved"]["azimuth"], result["before"]["azimuth"]);
+  EXPECT_NE(result["moved"]["target"], result["before"]["target"]);
+  expect_same_view(result["double_clicked"], result["before"]);
+  // One finger turns; two that part from 90 to 170 pixels zoom, two that go on move, two that turn by a quarter turn it; two taps show all again.
+  EXPECT_LT(number(result["one_finger"]["azimuth"]), -0.1);
+  EXPECT_EQ(result["one_finger"]["distance"], result["phone"]["distance"]);
+  EXPECT_NEAR(number(result["spread"]["distance"]) / number(result["phone"]["distance"]), 90.0 / 170, 1e-3);
+  EXPECT_EQ(result["two_fingers"]["distance"], result["spread"]["distance"]);
+  EXPECT_NE(result["two_fingers"]["target"], result["spread"]["target"]);
+  EXPECT_NEAR(number(result["twisted"]["azimuth"]) - number(result["two_fingers"]["azimuth"]), -std::acos(0), 1e-3);
+  expect_same_view(result["double_tapped"], result["phone"]);
   expect_no_network(result);
 }
 
 TEST_F(PreviewPageInABrowser, TheDividerShowsTheOtherDem) {
   const std::string a = write_mountains("a.tif", {200, 200}, 1), b = write_mountains("b.tif", {200, 200}, 2);
   ASSERT_EQ(run("preview " + a + " " + path("a.html") + " --compare " + b).code, 0);
-  const auto result = browse(path("a.html"));
+  const auto result = browse(path("a.html"), "brief");
   ASSERT_EQ(result["before"]["state"], "ready") << result;
   EXPECT_EQ(result["before"]["labels"].size(), 2u);
   EXPECT_EQ(result["before"]["divider"], "50");
   EXPECT_EQ(result["divided"]["divider"], "25");
   ASSERT_EQ(run("preview " + b + " " + path("b.html") + " --compare " + b).code, 0);
   const Picture both = read_picture(path("before.png"));
-  const auto alone = browse(path("b.html"));
+  const auto alone = browse(path("b.html"), "brief");
   ASSERT_EQ(alone["before"]["state"], "ready");
   const Picture right = read_picture(path("before.png"));
   // Left of the divider is another terrain.
@@ -200,9 +226,9 @@ TEST_F(PreviewPageInABrowser, TheDividerShowsTheOtherDem) {
   expect_no_network(result);
 }
 
-TEST_F(PreviewPageInABrowser, AVoidIsAHoleThroughWhichTheFloorIsSeen) {
-  Raster<float> cells(120, 120, 100);  // a low plateau, whose rim hides no floor
-  cells(0, 0) = 101;
+TEST_F(PreviewPageInABrowser, AVoidIsAHoleThroughWhichTheFloorIsSeenAndHeightsAreReadAtThePointer) {
+  Raster<float> cells(120, 120, 100);  // a low plateau, whose rim hides no floor, south of rough ground, from which its heights are foretold
+  for (std::int64_t x = 0; x < 120; ++x) cells(x, x % 10) = 100 + static_cast<float>(x) / 120;
   for (std::int64_t y = 30; y < 90; ++y)
     for (std::int64_t x = 30; x < 90; ++x) cells(x, y) = void_value;
   GeoReference geo;
@@ -210,11 +236,39 @@ TEST_F(PreviewPageInABrowser, AVoidIsAHoleThroughWhichTheFloorIsSeen) {
   DemWriter writer(path("hole.tif"), {120, 120}, geo);
   writer.write(0, {0, 0, 120, 120}, cells.view());
   writer.commit();
-  ASSERT_EQ(run("preview " + path("hole.tif") + " " + path("hole.html") + " --exaggeration 1").code, 0);
-  ASSERT_EQ(browse(path("hole.html"))["before"]["state"], "ready");
+  ASSERT_EQ(run("preview " + path("hole.tif") + " " + path("hole.html") + " --exaggeration 1 --credit \"Nobody's data, <i>2 m</i>\"").code, 0);
+  const auto result = browse(path("hole.html"), "brief");
+  ASSERT_EQ(result["before"]["state"], "ready");
+  EXPECT_EQ(result["hovered"], "100.00 m at the pointer");
+  EXPECT_EQ(result["hovered_middle"], "");  // in the hole
+  EXPECT_EQ(result["before"]["credit"], "Nobody's data, <i>2 m</i>");
+  // 1 / 16384 = 0.000061 m, and the next round step.
+  EXPECT_EQ(result["before"]["accuracy"], "Heights of hole.tif are kept in steps of 0.0001 m: none is off by more than 0.00005 m.");
   const Picture before = read_picture(path("before.png"));
   const int floor[] = {139, 134, 128};  // 255 x (0.80, 0.775, 0.74) x 0.68, as the page draws it
   for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(before(500, 320)[c], floor[c], 2) << c;
+}
+
+TEST_F(PreviewPageInABrowser, WithoutWebGlOneSentenceSaysSo) {
+  const std::string dem = write_mountains("a.tif", {40, 40}, 1);
+  ASSERT_EQ(run("preview " + dem + " " + path("a.html")).code, 0);
+  const auto result = browse(path("a.html"), "--disable-3d-apis");
+  EXPECT_EQ(result["before"]["state"], "failed");
+  EXPECT_EQ(result["before"]["message"], "This page needs WebGL 2, which this browser does not offer, or has switched off.");
+  expect_no_network(result);
+}
+
+TEST_F(PreviewPageInABrowser, TheReportOfADemoHoldsItInAFrame) {
+  const std::string dem = write_mountains("a.tif", {240, 120}, 1);
+  ASSERT_EQ(run("demo " + dem + " " + path("out") + " --factor 3 --atoms 32").code, 0);
+  const auto result = browse(path("out/index.html"));
+  ASSERT_EQ(result["before"]["state"], "ready") << result;
+  EXPECT_THAT(result["before"]["labels"][0].get<std::string>(), HasSubstr("input.tif"));
+  EXPECT_THAT(result["before"]["labels"][1].get<std::string>(), HasSubstr("detail-1.tif"));
+  EXPECT_LT(result["scrolled"]["by"].get<double>(), 0);
+  expect_same_view(result["scrolled"], result["before"]);
+  EXPECT_LT(number(result["clicked"]["distance"]), number(result["before"]["distance"]));
+  expect_no_network(result);
 }
 
 TEST_F(PreviewPageInABrowser, NothingButVoidsIsSaid) {
