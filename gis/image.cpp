@@ -35,12 +35,18 @@ std::unique_ptr<OIIO::ImageOutput> writer_for(const std::string& path) {
   return writer;
 }
 
+/// OpenImageIO would store the time of writing otherwise; and in TIFF take an empty one for a reason to write an EXIF directory, of which libtiff, once GDAL is
+/// in use, says on stderr that it cannot.
+void leave_out_time(OIIO::ImageSpec& spec) {
+  spec.attribute("DateTime", "");
+  spec.attribute("tiff:write_exif", 0);
+}
+
 void write_pixels(const std::string& path, OIIO::ImageSpec spec, OIIO::TypeDesc type, const void* pixels, OIIO::stride_t row_stride,
                   bool overwrite) {
   check_picture_path(path, overwrite);
   auto writer = writer_for(path);
-  // OpenImageIO would store the time of writing otherwise.
-  spec.attribute("DateTime", "");
+  leave_out_time(spec);
   StagedFiles files(path, overwrite);
   const bool written = writer->open(files.staged(), spec) &&
                        writer->write_image(type, pixels, OIIO::AutoStride, row_stride) && writer->close();
@@ -49,6 +55,10 @@ void write_pixels(const std::string& path, OIIO::ImageSpec spec, OIIO::TypeDesc 
     throw Error(ErrorKind::disk, "cannot write the picture " + path + (reason.empty() ? "" : ": " + reason));
   }
   files.publish();
+}
+
+OIIO::TypeDesc type_of(PictureDepth depth) {
+  return depth == PictureDepth::bits8 ? OIIO::TypeDesc::UINT8 : depth == PictureDepth::bits16 ? OIIO::TypeDesc::UINT16 : OIIO::TypeDesc::HALF;
 }
 
 float linear_light(std::uint8_t value) {
@@ -69,6 +79,22 @@ std::string ascii(const std::string& text) {
     plain += byte >= 0x20 && byte < 0x7f ? c : '?';
   }
   return plain;
+}
+
+void render_text(Picture& picture, std::int64_t x, std::int64_t y, const std::string& text, int size, Colour colour, Align align, const std::string& font) {
+  OIIO::ImageBuf canvas = wrap(picture);
+  float ink[4];
+  for (std::size_t c = 0; c < 4; ++c) ink[c] = static_cast<float>(colour[c]) / 255.0f;
+  using OIIO::ImageBufAlgo::TextAlignX;
+  const TextAlignX side = align == Align::left ? TextAlignX::Left : align == Align::right ? TextAlignX::Right : TextAlignX::Center;
+  OIIO::ImageBufAlgo::render_text(canvas, static_cast<int>(x), static_cast<int>(y), ascii(text), size, font, ink, side);
+}
+
+/// Calls body(x, y, i, j) for each pixel (x, y) of a picture that is pixel (i, j) of a window, which may reach beyond it.
+template <typename Body>
+void for_shared(const Picture& picture, const Window& window, const Body& body) {
+  for (std::int64_t y = std::max<std::int64_t>(0, window.y); y < std::min(picture.height(), window.y + window.height); ++y)
+    for (std::int64_t x = std::max<std::int64_t>(0, window.x); x < std::min(picture.width(), window.x + window.width); ++x) body(x, y, x - window.x, y - window.y);
 }
 
 Picture repeat_pixels(const Picture& picture, std::int64_t width, std::int64_t height) {
@@ -110,6 +136,65 @@ void write_picture(const std::string& path, const Picture& picture, bool overwri
   spec.attribute("oiio:UnassociatedAlpha", 1);
   if (const std::string extension = extension_of(path); extension == "jpg" || extension == "jpeg") spec.attribute("CompressionQuality", jpeg_quality);
   write_pixels(path, spec, OIIO::TypeDesc::UINT8, bytes.data(), OIIO::AutoStride, overwrite);
+}
+
+PictureDepth depth_of(const std::string& path) {
+  const std::string extension = extension_of(path);
+  if (extension == "png") return PictureDepth::bits8;
+  if (extension == "tif" || extension == "tiff") return PictureDepth::bits16;
+  if (extension == "exr") return PictureDepth::half;
+  throw Error(ErrorKind::format, "cannot write the picture " + path + ": this picture is written as .png (8 bits), .tif (16 bits) or .exr (linear half floats)" +
+                                     (extension.empty() ? "" : ", not as ." + extension));
+}
+
+struct PictureFile::Impl {
+  std::string path;
+  Size size;
+  PictureDepth depth;
+  std::unique_ptr<OIIO::ImageOutput> writer;
+  StagedFiles files;
+  int next_row = 0;
+
+  [[noreturn]] void fail() const {
+    const std::string reason = writer->geterror();
+    throw Error(ErrorKind::disk, "cannot write the picture " + path + (reason.empty() ? "" : ": " + reason));
+  }
+  template <typename Sample>
+  void write(std::span<const Sample> rgba) {
+    const auto rows = static_cast<int>(static_cast<std::int64_t>(rgba.size()) / (4 * size.width));
+    if (!writer->write_scanlines(next_row, next_row + rows, 0, OIIO::BaseTypeFromC<Sample>::value, rgba.data(), 4 * sizeof(Sample),
+                                 static_cast<OIIO::stride_t>(4 * sizeof(Sample)) * size.width))
+      fail();
+    next_row += rows;
+  }
+};
+
+PictureFile::PictureFile(const std::string& path, Size size, PictureDepth depth, bool overwrite)
+    : impl_(new Impl{path, size, depth, writer_for(path), StagedFiles(path, overwrite)}) {
+  OIIO::ImageSpec spec(static_cast<int>(size.width), static_cast<int>(size.height), 3, type_of(depth));
+  leave_out_time(spec);
+  spec.attribute("oiio:UnassociatedAlpha", 1);
+  if (!impl_->writer->open(impl_->files.staged(), spec)) impl_->fail();
+}
+PictureFile::~PictureFile() {
+  if (!impl_->writer) return;
+  // libpng complains on stderr of files without data, which is written once its compressed form fills 8 kB: blank rows to the end do, or 16 MB of them.
+  const std::int64_t row_bytes = 4 * impl_->size.width, left = impl_->size.height - impl_->next_row;
+  const std::vector<std::uint8_t> blank(static_cast<std::size_t>(row_bytes * std::min(left, (std::int64_t{16} << 20) / row_bytes + 1)));
+  try {
+    if (left > 0) impl_->write(std::span<const std::uint8_t>(blank));
+  } catch (const Error&) {
+    // The file is removed anyway.
+  }
+}
+
+void PictureFile::write(std::span<const std::uint8_t> rgba) { impl_->write(rgba); }
+void PictureFile::write(std::span<const std::uint16_t> rgba) { impl_->write(rgba); }
+void PictureFile::write(std::span<const float> rgba) { impl_->write(rgba); }
+void PictureFile::publish() {
+  if (!impl_->writer->close()) impl_->fail();
+  impl_->writer.reset();
+  impl_->files.publish();
 }
 
 void write_grey16(const std::string& path, RasterView<const std::uint16_t> cells, bool overwrite) {
@@ -183,12 +268,17 @@ std::string find_font() {
 void draw_text(Picture& picture, std::int64_t x, std::int64_t y, const std::string& text, int size, Colour colour, Align align) {
   const std::string font = find_font();
   if (font.empty() || text.empty()) return;
-  OIIO::ImageBuf canvas = wrap(picture);
-  float ink[4];
-  for (std::size_t c = 0; c < 4; ++c) ink[c] = static_cast<float>(colour[c]) / 255.0f;
-  using OIIO::ImageBufAlgo::TextAlignX;
-  const TextAlignX side = align == Align::left ? TextAlignX::Left : align == Align::right ? TextAlignX::Right : TextAlignX::Center;
-  OIIO::ImageBufAlgo::render_text(canvas, static_cast<int>(x), static_cast<int>(y), ascii(text), size, font, ink, side);
+  // OpenImageIO cannot draw over the border: there, on a copy of what lies under the text.
+  const std::int64_t reach = text_width(text, size) + size;
+  const Window box{x - reach, y - 2 * size, 2 * reach, 3 * size};
+  if (box.x < 0 || box.y < 0 || box.x + box.width > picture.width() || box.y + box.height > picture.height()) {
+    Picture under(box.width, box.height);
+    for_shared(picture, box, [&](std::int64_t i, std::int64_t j, std::int64_t u, std::int64_t v) { under(u, v) = picture(i, j); });
+    render_text(under, x - box.x, y - box.y, text, size, colour, align, font);
+    for_shared(picture, box, [&](std::int64_t i, std::int64_t j, std::int64_t u, std::int64_t v) { picture(i, j) = under(u, v); });
+    return;
+  }
+  render_text(picture, x, y, text, size, colour, align, font);
 }
 
 std::int64_t text_width(const std::string& text, int size) {

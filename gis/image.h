@@ -2,6 +2,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,32 @@ class Picture {
 /// Error{format} where no writer knows the extension. `jpeg_quality`: 1 to 100, of JPEG.
 void write_picture(const std::string& path, const Picture& picture, bool overwrite = false, int jpeg_quality = 98);
 
+/// What the samples of a file are: sRGB of 8 or 16 bits, or half floats of linear light.
+enum class PictureDepth { bits8, bits16, half };
+
+/// The depth at which a file keeps most of a picture that was computed as light: .png 8 bits, .tif and .tiff 16, .exr half floats. Throws Error{format} for
+/// other extensions, with these in its one line.
+PictureDepth depth_of(const std::string& path);
+
+/// Writes an opaque picture from top to bottom by rows, so that it need not be in memory; under the rules of write_picture, with the same bytes.
+class PictureFile {
+ public:
+  PictureFile(const std::string& path, Size size, PictureDepth depth, bool overwrite);
+  ~PictureFile();
+
+  /// The next whole rows, red, green, blue, opacity, which is left out: linear light for half floats, sRGB else. In files of 16 bits samples of 8 bits are
+  /// 257 times as large; half floats take floats only. Throws Error{disk}.
+  void write(std::span<const std::uint8_t> rgba);
+  void write(std::span<const std::uint16_t> rgba);
+  void write(std::span<const float> rgba);
+  /// After the last row: the file appears. Throws Error{disk}.
+  void publish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
 /// Writes one channel of 16 bits, under the same rules (PNG, TIFF).
 void write_grey16(const std::string& path, RasterView<const std::uint16_t> cells, bool overwrite = false);
 
@@ -63,7 +91,7 @@ std::string find_font();
 
 enum class Align { left, centre, right };
 
-/// Draws one line with its baseline at y; `size` is the em height in pixels. Characters outside ASCII are drawn as '?'
+/// Draws one line with its baseline at y, cut at the borders; `size` is the em height in pixels. Characters outside ASCII are drawn as '?'
 /// (OpenImageIO 2.4 decodes them wrongly).
 void draw_text(Picture& picture, std::int64_t x, std::int64_t y, const std::string& text, int size, Colour colour,
                Align align = Align::left);

@@ -99,6 +99,9 @@ Picture draw_legend(const Legend& legend, const ColourRamp& ramp, std::int64_t w
     const std::int64_t bar_wide = has_scale ? width * 11 / 20 - margin : width - 4 * margin;
     draw_colour_bar(picture, legend, ramp, {margin, bar_y, bar_wide, bar_high}, font);
   }
+  // On a narrow map it gives way to the title.
+  if (has_scale && text_width(legend.title, font) + text_width(legend.scale_note, small) + 3 * margin <= width)
+    draw_text(picture, width - margin, title_y, legend.scale_note, small, faint, Align::right);
   if (has_scale) draw_scale_bar(picture, legend.metres_per_pixel, width - margin, bar_y + bar_high / 3, width / 4, font);
   std::int64_t x = margin;
   const std::int64_t y = labels_end + margin / 2;

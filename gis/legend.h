@@ -18,6 +18,7 @@ struct Legend {
   double low = 0, high = 1;      ///< values at the ends of the colour bar; NaN: no bar
   std::string unit = "m";
   double metres_per_pixel = 0;   ///< of the map, for the scale bar; 0: none
+  std::string scale_note;        ///< over the scale bar: where it is true, if not everywhere
   std::vector<Swatch> swatches;  ///< no data, water...
   std::string note;              ///< small, last
 };

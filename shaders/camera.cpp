@@ -17,6 +17,9 @@ Point3 corner(const Box& box, int i) {
   return {i & 1 ? box.high[0] : box.low[0], i & 2 ? box.high[1] : box.low[1], i & 4 ? box.high[2] : box.low[2]};
 }
 
+/// Share of the picture that a framed box takes.
+constexpr double margin = 0.96;
+
 /// Half the picture plane at distance 1.
 struct HalfPlane {
   double width, height;
@@ -63,7 +66,6 @@ Camera frame_box(const Box& box, double azimuth_deg, double pitch_deg, double fi
   Camera camera = orbit_camera(target, azimuth_deg, pitch_deg, distance, field_of_view_deg);
   if (distance_m > 0) return camera;
   const HalfPlane half = half_plane(camera, aspect);
-  constexpr double margin = 0.96;
   for (int round = 0; round < 12; ++round) {
     const CameraAxes axes = camera_axes(camera);
     double left = INFINITY, right = -INFINITY, bottom = INFINITY, top = -INFINITY, nearest = INFINITY;
@@ -82,6 +84,36 @@ Camera frame_box(const Box& box, double azimuth_deg, double pitch_deg, double fi
     camera = orbit_camera(target, azimuth_deg, pitch_deg, distance, field_of_view_deg);
   }
   return camera;
+}
+
+Orbit frame_box_all_round(const Box& box, std::span<const double> azimuths_deg, double pitch_deg, double field_of_view_deg, double aspect) {
+  const Point3 middle = scaled(sum(box.low, box.high), 0.5);
+  const HalfPlane half = half_plane({.field_of_view_deg = field_of_view_deg}, aspect);
+  // A corner r from the target is seen where |r right| <= width (distance + r ahead): linear, so that the least distance is convex in the height.
+  const auto distance_at = [&](double height) {
+    const Point3 target = {middle[0], middle[1], height};
+    double distance = 0;
+    for (const double azimuth : azimuths_deg) {
+      const CameraAxes axes = camera_axes(orbit_camera(target, azimuth, pitch_deg, 1, field_of_view_deg));
+      for (int i = 0; i < 8; ++i) {
+        const Point3 r = subtract(corner(box, i), target);
+        const double across = std::max(std::abs(dot(r, axes.right)) / half.width, std::abs(dot(r, axes.up)) / half.height);
+        distance = std::max(distance, across / margin - dot(r, axes.ahead));
+      }
+    }
+    return distance;
+  };
+  // Within the box: from above, a higher target instead of a larger distance would do as well.
+  double low = box.low[2], high = box.high[2];
+  for (int round = 0; round < 80; ++round) {
+    const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+    if (distance_at(a) < distance_at(b))
+      high = b;
+    else
+      low = a;
+  }
+  const double height = (low + high) / 2;
+  return {{middle[0], middle[1], height}, distance_at(height)};
 }
 
 std::array<double, 16> projection_matrix(const Camera& camera, Size picture, const PicturePart& part, double near_m) {

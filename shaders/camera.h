@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include "core/terrain/georeference.h"
 #include "core/terrain/raster.h"
@@ -37,6 +38,16 @@ Camera orbit_camera(const Point3& target, double azimuth_deg, double pitch_deg, 
 /// The camera from that direction that shows the whole box, in the middle of the picture, with a margin of 4 %. `distance_m` > 0
 /// looks at the middle of the box from that far.
 Camera frame_box(const Box& box, double azimuth_deg, double pitch_deg, double field_of_view_deg, double aspect, double distance_m = 0);
+
+/// A target to turn round, and how far away.
+struct Orbit {
+  Point3 target = {0, 0, 0};
+  double distance_m = 1;
+};
+
+/// The closest orbit round the middle of the box, at the height in it that suits best, from which it is seen whole from each of those compass directions, with
+/// the margin of frame_box.
+Orbit frame_box_all_round(const Box& box, std::span<const double> azimuths_deg, double pitch_deg, double field_of_view_deg, double aspect);
 
 /// Part of a picture, in pixels from its upper left corner.
 struct PicturePart {

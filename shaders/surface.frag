@@ -27,6 +27,7 @@ uniform vec3 zenith_colour;
 uniform vec3 below_colour;
 uniform float haze;              // per metre
 uniform float haze_from;         // metres from the eye
+uniform bool rolls_off;          // highlights do
 uniform int mode;                // 0: lit, 1: colours of levels, 2: covered
 
 layout(location = 0) out vec4 colour;
@@ -81,7 +82,7 @@ vec3 surface_colour(int layer, int side, vec3 from_eye) {
       shade = mix(shade, water, wet);
     }
   }
-  return roll_off(shade);
+  return rolls_off ? roll_off(shade) : shade;
 }
 
 vec3 seen_colour(uint number, vec3 ray, float depth) {

@@ -9,7 +9,6 @@
 
 #include "core/support/error.h"
 #include "core/support/parallel.h"
-#include "core/support/random.h"
 #include "shaders/gl_context.h"
 #include "shaders/gl_program.h"
 #include "shaders/tile_cache.h"
@@ -26,7 +25,6 @@ constexpr GLsizei patch_vertices = 4;
 using Colour3 = std::array<float, 3>;
 
 float to_linear(double v) { return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)); }  // IEC 61966-2-1
-double from_linear(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
 Colour3 linear(int r, int g, int b) { return {to_linear(r / 255.0), to_linear(g / 255.0), to_linear(b / 255.0)}; }
 
 const Colour3 haze_colour = linear(222, 231, 240), zenith_colour = linear(104, 150, 202), below_colour = linear(247, 246, 243),
@@ -111,50 +109,6 @@ class Canvas {
   GLuint seen_[2]{}, picture_ = 0, frames_[2]{};
   GLfloat offsets_x_[samples_per_pixel]{}, offsets_y_[samples_per_pixel]{};
 };
-
-/// IEEE 754 binary16, finite values.
-float from_half(std::uint16_t bits) {
-  const int exponent = bits >> 10 & 31, fraction = bits & 1023;
-  const double size = exponent == 0 ? std::ldexp(fraction, -24) : std::ldexp(1024 + fraction, exponent - 25);
-  return static_cast<float>(bits >> 15 ? -size : size);
-}
-
-template <typename Function>
-std::vector<float> tabulate(const Function& f) {
-  std::vector<float> table(65536);
-  for (std::size_t i = 0; i < table.size(); ++i) table[i] = f(static_cast<std::uint16_t>(i));
-  return table;
-}
-
-float srgb_of(double linear) { return static_cast<float>(255 * from_linear(std::clamp(linear, 0.0, 1.0))); }
-
-/// Averages pixels of linear light and writes them as sRGB of 8 bits, with noise of one step against banding.
-void develop(const std::vector<std::uint16_t>& pixels, std::int64_t rows, int supersampling, const PicturePart& part, int threads, Frame& frame) {
-  static const std::vector<float> linear = tabulate(from_half), direct = tabulate([](std::uint16_t bits) { return srgb_of(static_cast<double>(from_half(bits))); });
-  const std::int64_t stride = part.width * supersampling;
-  const double share = 1.0 / (supersampling * supersampling);
-  parallel_for(part.height, threads, [&](std::int64_t y) {
-    for (std::int64_t x = 0; x < part.width; ++x) {
-      const std::uint16_t* from = &pixels[static_cast<std::size_t>(((rows - 1 - y * supersampling) * stride + x * supersampling) * 4)];
-      float exact[3], covered = linear[from[3]];
-      if (supersampling == 1) {
-        for (std::size_t c = 0; c < 3; ++c) exact[c] = direct[from[c]];
-      } else {
-        double sum[4] = {};
-        for (std::int64_t v = 0; v < supersampling; ++v, from -= stride * 4)
-          for (std::int64_t u = 0; u < 4 * supersampling; ++u) sum[u % 4] += static_cast<double>(linear[from[u]]);
-        for (std::size_t c = 0; c < 3; ++c) exact[c] = srgb_of(sum[c] * share);
-        covered = static_cast<float>(sum[3] * share);
-      }
-      std::uint64_t noise = hash_position(11, static_cast<std::uint64_t>(part.x + x), static_cast<std::uint64_t>(part.y + y));
-      std::uint8_t* out = &frame.rgba[static_cast<std::size_t>(((part.y + y) * frame.size.width + part.x + x) * 4)];
-      // Whole + 1 where the noise is less than the rest.
-      for (std::size_t c = 0; c < 3; ++c, noise >>= 21)
-        out[c] = static_cast<std::uint8_t>(std::min(255, static_cast<int>(exact[c] + static_cast<float>(0x1fffff - (noise & 0x1fffff)) * 0x1p-21f)));
-      out[3] = static_cast<std::uint8_t>(255 * std::clamp(covered, 0.0f, 1.0f) + 0.5f);
-    }
-  });
-}
 
 /// A few at a time: Mesa 22.3 in software takes the levels and values of one patch for another in longer calls, and of one vertex.
 void draw_patches(GLsizei first, GLsizei count) {
@@ -419,6 +373,39 @@ struct TerrainRenderer::Impl {
     glDisable(GL_SCISSOR_TEST);
   }
 
+  /// Calls take(DrawnPart) for the parts of a picture, row by row. The frame has no pixels.
+  template <typename Take>
+  Frame draw_parts(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const Take& take) {
+    if (picture.width < 1 || picture.height < 1 || picture.width > largest_picture || picture.height > largest_picture)
+      throw Error(ErrorKind::usage, "cannot draw a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
+                                        " pixels: sides are 1 to " + std::to_string(largest_picture));
+    context.make_current();
+    const std::int64_t before = tiles->loaded();
+    Frame frame{picture, {}, static_cast<std::int64_t>(patches.size()), 0, 0};
+    for (const TerrainPatch& patch : patches) frame.triangles += count_triangles(patch);
+
+    const int supersampling = mode == DrawMode::coverage ? 1 : std::clamp(options.supersampling, 1, 4);
+    // Parts of about the same size.
+    const auto side = [&](std::int64_t length) {
+      const std::int64_t count = (length * supersampling + largest_part - 1) / largest_part;
+      return (length + count - 1) / count;
+    };
+    const std::int64_t across = side(picture.width), down = side(picture.height);
+    const Canvas& target = canvas_of({across * supersampling, down * supersampling});
+    set_camera(camera, mode);
+    set_int(surface, "rolls_off", highlights == Highlights::roll_off);
+    std::vector<std::uint16_t> pixels;
+    for (std::int64_t y = 0; y < picture.height; y += down)
+      for (std::int64_t x = 0; x < picture.width; x += across) {
+        const PicturePart part{x, y, std::min(across, picture.width - x), std::min(down, picture.height - y)};
+        draw_part(patches, camera, picture, part, supersampling, mode, target);
+        target.read(part.width * supersampling, part.height * supersampling, pixels);
+        take(DrawnPart{pixels, supersampling, part});
+      }
+    frame.tiles_loaded = tiles->loaded() - before;
+    return frame;
+  }
+
   SceneOptions options;
   GlContext context;  // first, so that a missing driver is told before the terrain is read
   std::unique_ptr<TerrainScene> scene;
@@ -466,33 +453,25 @@ std::vector<TerrainPatch> TerrainRenderer::select(const Camera& camera, Size pic
 Frame TerrainRenderer::draw(const Camera& camera, Size picture, DrawMode mode) { return draw(select(camera, picture), camera, picture, mode); }
 
 Frame TerrainRenderer::draw(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode) {
-  if (picture.width < 1 || picture.height < 1 || picture.width > largest_picture || picture.height > largest_picture)
-    throw Error(ErrorKind::usage, "cannot draw a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                                      " pixels: sides are 1 to " + std::to_string(largest_picture));
-  impl_->context.make_current();
-  const std::int64_t before = impl_->tiles->loaded();
-  Frame frame{picture, std::vector<std::uint8_t>(static_cast<std::size_t>(picture.cells() * 4)), static_cast<std::int64_t>(patches.size()), 0, 0};
-  for (const TerrainPatch& patch : patches) frame.triangles += count_triangles(patch);
-
-  const int supersampling = mode == DrawMode::coverage ? 1 : std::clamp(impl_->options.supersampling, 1, 4);
-  // Parts of about the same size.
-  const auto side = [&](std::int64_t length) {
-    const std::int64_t count = (length * supersampling + largest_part - 1) / largest_part;
-    return (length + count - 1) / count;
-  };
-  const std::int64_t across = side(picture.width), down = side(picture.height);
-  const Canvas& canvas = impl_->canvas_of({across * supersampling, down * supersampling});
-  impl_->set_camera(camera, mode);
-  std::vector<std::uint16_t> pixels;
-  for (std::int64_t y = 0; y < picture.height; y += down)
-    for (std::int64_t x = 0; x < picture.width; x += across) {
-      const PicturePart part{x, y, std::min(across, picture.width - x), std::min(down, picture.height - y)};
-      impl_->draw_part(patches, camera, picture, part, supersampling, mode, canvas);
-      canvas.read(part.width * supersampling, part.height * supersampling, pixels);
-      develop(pixels, part.height * supersampling, supersampling, part, impl_->options.threads, frame);
-    }
-  frame.tiles_loaded = impl_->tiles->loaded() - before;
+  std::vector<std::uint8_t> rgba;
+  Frame frame = impl_->draw_parts(patches, camera, picture, mode, Highlights::roll_off, [&](const DrawnPart& drawn) {
+    rgba.resize(static_cast<std::size_t>(picture.cells() * 4));
+    develop(drawn, impl_->options.threads, picture.width, rgba.data());
+  });
+  frame.rgba = std::move(rgba);
   return frame;
+}
+
+Frame TerrainRenderer::draw_rows(const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const std::function<void(const LightRows&)>& take) {
+  LightRows rows;
+  return impl_->draw_parts(select(camera, picture), camera, picture, mode, highlights, [&](const DrawnPart& drawn) {
+    const PicturePart& part = drawn.part;
+    rows.y = part.y;
+    rows.size = {picture.width, part.height};
+    rows.rgba.resize(static_cast<std::size_t>(rows.size.cells() * 4));
+    average(drawn, impl_->options.threads, rows);
+    if (part.x + part.width == picture.width) take(rows);
+  });
 }
 
 std::vector<std::array<float, 3>> TerrainRenderer::evaluate(const std::vector<TerrainPatch>& patches) {

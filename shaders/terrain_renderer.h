@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "core/terrain/georeference.h"
 #include "core/terrain/raster_io.h"
 #include "shaders/camera.h"
+#include "shaders/develop.h"
 #include "shaders/terrain_quadtree.h"
 #include "shaders/terrain_scene.h"
 
@@ -21,6 +23,9 @@ enum class DrawMode {
   levels,     ///< a colour for each level of the quadtree
   coverage,   ///< white where there is terrain, transparent black elsewhere; as one sample of each pixel shows it
 };
+
+/// Of light that is as bright as white, and brighter: rolled off, as a picture for the eye needs, or kept, as the scene has it.
+enum class Highlights { roll_off, kept };
 
 /// A picture with what it took.
 struct Frame {
@@ -39,7 +44,7 @@ struct Frame {
 /// water (sample_pyramid.h) is blue. No curvature of the Earth.
 ///
 /// Guarantees: 1. the same driver gives the same bytes for the same calls, whatever `threads` is and was drawn before. 2. Meshes have no
-/// cracks (terrain_quadtree.h). 3. Memory: memory_bytes, the quadtree, and a part of 1024 x 1024 pixels of the picture.
+/// cracks (terrain_quadtree.h). 3. Memory: memory_bytes, the quadtree, 1280 rows of the picture, and what draw() gives back.
 class TerrainRenderer {
  public:
   /// Reads the source two to three times by windows; it must outlive the renderer. `cell`: metric size of a cell.
@@ -59,6 +64,10 @@ class TerrainRenderer {
 
   /// A picture of 1 x 1 to 16384 x 16384 pixels; throws Error{usage} beyond.
   Frame draw(const Camera& camera, Size picture, DrawMode mode = DrawMode::lit);
+
+  /// The same from top to bottom, for pictures that need not be in memory and for other depths: `take` gets up to 1280 whole rows at a time. The
+  /// frame that comes back has no pixels.
+  Frame draw_rows(const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const std::function<void(const LightRows&)>& take);
 
   /// The parts of draw(): which patches, and the picture of any patches.
   std::vector<TerrainPatch> select(const Camera& camera, Size picture) const;

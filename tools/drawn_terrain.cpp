@@ -20,6 +20,10 @@ SceneOptions scene_options(const std::string& ramp, double exaggeration, double 
   return options;
 }
 
+void warn_without_font(const CommonOptions& common) {
+  if (find_font().empty()) warn(common, "no font found, the legend is left out: install fonts-dejavu-core or set ARETE_FONT");
+}
+
 Picture picture_of(const Frame& frame) {
   Picture picture(frame.size.width, frame.size.height);
   std::memcpy(picture.data(), frame.rgba.data(), frame.rgba.size());

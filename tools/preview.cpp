@@ -11,6 +11,7 @@
 #include "gis/mesh/draw_mesh.h"
 #include "gis/relief.h"
 #include "tools/command.h"
+#include "tools/drawn_terrain.h"
 #include "tools/elevation_input.h"
 #include "tools/mesh_input.h"
 #include "tools/preview_page.h"
@@ -115,11 +116,9 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
                        common);
     return;
   }
-  check_picture_path(arguments.output, common.overwrite);
-  if (options.legend && find_font().empty())
-    warn(common, "no font found, the legend is left out: install fonts-dejavu-core or set ARETE_FONT");
-
   if (arguments.kind() == perspective) return draw_perspective(perspective_of(arguments), common);
+  check_picture_path(arguments.output, common.overwrite);
+  if (options.legend) warn_without_font(common);
 
   const auto progress = make_progress(common);
   const Relief relief = is_mesh_file(arguments.input) ? draw_mesh_file(arguments, options, common, *progress) : draw_dem(arguments, options, *progress);
@@ -145,11 +144,13 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<PreviewArguments>();
   CLI::App* verb = add_verb(app, "preview", "Draw a DEM or a mesh as a shaded relief map, in perspective, as a profile, or as a page to turn about in a browser",
                             "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png\narete preview dem.tif view.png --view perspective --look-from 200\n"
+                            "arete preview dem.tif view.tif --view perspective --eye 783000,186000,+300 --look-at 785000,189000\n"
                             "arete preview dem.tif profile.png --view profile --line 782000,186000,785000,189000\n"
                             "arete preview dem.tif page.html --compare finer.tif",
                             common, [arguments, common] { run_preview(*arguments, *common); });
   verb->add_option("IN", arguments->input, "The DEM: anything that GDAL opens; a tree (.sct); or a mesh (.ply...)")->required();
-  verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr; or a page for a browser that needs no network: .html")->required();
+  verb->add_option("OUT", arguments->output, "The picture: .png, .tif, .exr (in perspective of 8 bits, 16 bits, and linear half floats of the scene's light, without legend); or a page for a "
+                   "browser that needs no network: .html")->required();
   const auto of = [arguments](CLI::Option* option, unsigned kinds) {
     arguments->options.emplace_back(option, kinds);
     return option;

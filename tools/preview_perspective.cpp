@@ -1,8 +1,10 @@
 #include "tools/preview_perspective.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <filesystem>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,16 +13,14 @@
 #include "gis/geodesy.h"
 #include "gis/image.h"
 #include "gis/legend.h"
+#include "gis/staged_files.h"
 #include "shaders/terrain_renderer.h"
 #include "tools/drawn_terrain.h"
 #include "tools/elevation_input.h"
+#include "tools/north_needle.h"
 
 namespace arete::tools {
 namespace {
-
-struct Place {
-  double x, y;
-};
 
 Size parse_size(const std::string& text) {
   Size size;
@@ -34,71 +34,123 @@ Size parse_size(const std::string& text) {
 
 DrawMode mode_of(const std::string& name) { return name == "wireframe" ? DrawMode::wireframe : name == "levels" ? DrawMode::levels : DrawMode::lit; }
 
-/// Mixes a colour in where a convex or concave polygon covers the pixel, by 4 x 4 samples.
-void fill_polygon(Picture& picture, const std::vector<Place>& corners, Colour colour) {
-  double low_x = corners[0].x, high_x = low_x, low_y = corners[0].y, high_y = low_y;
-  for (const Place& p : corners) low_x = std::min(low_x, p.x), high_x = std::max(high_x, p.x), low_y = std::min(low_y, p.y), high_y = std::max(high_y, p.y);
-  const auto inside = [&](double x, double y) {
-    bool odd = false;
-    for (std::size_t i = 0, j = corners.size() - 1; i < corners.size(); j = i++)
-      if ((corners[i].y > y) != (corners[j].y > y) &&
-          x < corners[i].x + (y - corners[i].y) / (corners[j].y - corners[i].y) * (corners[j].x - corners[i].x))
-        odd = !odd;
-    return odd;
-  };
-  Picture dot(1, 1, colour);
-  for (auto y = static_cast<std::int64_t>(std::floor(low_y)); y <= static_cast<std::int64_t>(high_y); ++y)
-    for (auto x = static_cast<std::int64_t>(std::floor(low_x)); x <= static_cast<std::int64_t>(high_x); ++x) {
-      int hits = 0;
-      for (int s = 0; s < 16; ++s) hits += inside(static_cast<double>(x) + (s % 4 + 0.5) / 4, static_cast<double>(y) + (s / 4 + 0.5) / 4);
-      dot(0, 0) = {colour[0], colour[1], colour[2], static_cast<std::uint8_t>(colour[3] * hits / 16)};
-      if (hits > 0) paste(picture, dot, x, y);
-    }
-}
-
-/// A needle that lies flat on the ground in the corner of the picture and points north.
-void draw_north(Picture& picture, const Camera& camera) {
-  const CameraAxes axes = camera_axes(camera);
-  const double radius = std::clamp(static_cast<double>(picture.width()) / 45, 16.0, 60.0);
-  const Place centre{static_cast<double>(picture.width()) - 1.9 * radius, static_cast<double>(picture.height()) - 1.9 * radius};
-  const auto place = [&](double azimuth_deg, double length) -> Place {
-    const Point3 p{std::sin(azimuth_deg * M_PI / 180) * length * radius, std::cos(azimuth_deg * M_PI / 180) * length * radius, 0};
-    return {centre.x + dot(p, axes.right), centre.y - dot(p, axes.up)};
-  };
-  const Colour dark{45, 45, 48, 255}, pale{252, 252, 250, 255};
-  fill_polygon(picture, {place(0, 1), place(145, 0.8), place(180, 0.4), place(215, 0.8)}, dark);
-  fill_polygon(picture, {place(-1.5, 0.8), place(181.5, 0.37), place(212.5, 0.68)}, pale);
-  const Place letter = place(0, 1.45);
-  const int size = std::max(12, static_cast<int>(radius * 0.6));
-  draw_text(picture, std::llround(letter.x), std::llround(letter.y + 0.35 * size), "N", size, dark, Align::centre);
-}
-
-Picture add_legend(const Picture& view, const SceneFacts& facts, const std::string& ramp) {
+/// The strip under the picture.
+Picture legend_of(const SceneFacts& facts, const std::string& ramp, std::int64_t width, double metres_per_pixel) {
   Legend legend;
   legend.title = facts.high_m - facts.low_m >= 20 ? fmt::format("Elevation, {:.0f} to {:.0f} m", facts.low_m, facts.high_m)
                                                   : fmt::format("Elevation, {:.2f} to {:.2f} m", facts.low_m, facts.high_m);
   legend.low = facts.ramp_low_m;
   legend.high = facts.ramp_high_m;
+  legend.metres_per_pixel = metres_per_pixel;
+  legend.scale_note = "across, in the middle";
   if (facts.has_water) legend.swatches.push_back({Picture(1, 1, {168, 199, 220, 255}), "water"});
   if (facts.has_voids) legend.swatches.push_back({Picture(1, 1, {95, 94, 96, 255}), "no data"});
   if (facts.exaggeration != 1) legend.note = fmt::format("heights exaggerated {:g} times", facts.exaggeration);
-  const Picture strip = draw_legend(legend, named_ramp(ramp), view.width());
-  Picture sheet(view.width(), view.height() + strip.height());
-  paste(sheet, view, 0, 0);
-  paste(sheet, strip, 0, view.height());
-  return sheet;
+  return draw_legend(legend, named_ramp(ramp), width);
+}
+
+/// How the pictures of one call are drawn.
+struct Drawing {
+  Size view;
+  DrawMode mode = DrawMode::lit;
+  PictureDepth depth = PictureDepth::bits8;
+  bool needle = false;
+  double grid_north_deg = 0;
+  Picture legend = {};  ///< under the view; may be empty
+  int threads = 0;
+};
+
+std::span<const std::uint8_t> bytes_of(const Picture& picture) {
+  return {picture.data()->data(), static_cast<std::size_t>(4 * picture.width() * picture.height())};
+}
+
+/// Develops rows for the eye, draws the needle over them, and writes them.
+void write_rows(const LightRows& rows, const Camera& camera, const Drawing& drawing, PictureFile& file) {
+  if (drawing.depth == PictureDepth::half) return file.write(rows.rgba);
+  Picture picture(rows.size.width, rows.size.height);
+  develop(rows, drawing.threads, picture.data()->data());
+  const auto draw_over = [&] {
+    if (drawing.needle) draw_north(picture, rows.y, drawing.view.height, camera, drawing.grid_north_deg);
+  };
+  if (drawing.depth == PictureDepth::bits8) {
+    draw_over();
+    return file.write(bytes_of(picture));
+  }
+  std::vector<std::uint16_t> fine(rows.rgba.size());
+  develop(rows, drawing.threads, fine.data());
+  const Picture before = picture;
+  draw_over();
+  // What is drawn over them has 8 bits.
+  for (std::size_t i = 0; i < fine.size(); ++i)
+    if (bytes_of(picture)[i] != bytes_of(before)[i]) fine[i] = static_cast<std::uint16_t>(257 * bytes_of(picture)[i]);
+  file.write(fine);
+}
+
+Frame draw_picture(TerrainRenderer& renderer, const Camera& camera, const Drawing& drawing, const std::string& path, bool overwrite, Progress& progress) {
+  PictureFile file(path, {drawing.view.width, drawing.view.height + drawing.legend.height()}, drawing.depth, overwrite);
+  const Highlights highlights = drawing.depth == PictureDepth::half ? Highlights::kept : Highlights::roll_off;
+  const Frame frame = renderer.draw_rows(camera, drawing.view, drawing.mode, highlights, [&](const LightRows& rows) {
+    write_rows(rows, camera, drawing, file);
+    progress.advance(rows.size.height);
+  });
+  if (drawing.legend.height() > 0) file.write(bytes_of(drawing.legend));
+  file.publish();
+  return frame;
+}
+
+/// OUT, or OUT-000 and so on before its extension.
+std::vector<std::string> picture_paths(const std::string& output, int turntable) {
+  if (turntable == 0) return {output};
+  const std::filesystem::path path(output);
+  const std::size_t digits = std::max<std::size_t>(3, std::to_string(turntable - 1).size());
+  std::vector<std::string> paths;
+  for (int i = 0; i < turntable; ++i)
+    paths.push_back((path.parent_path() / fmt::format("{}-{:0{}}{}", path.stem().string(), i, digits, path.extension().string())).string());
+  return paths;
+}
+
+/// Draws into files that appear together. The frame counts what all of them took.
+Frame draw_pictures(TerrainRenderer& renderer, const std::vector<Camera>& cameras, const Drawing& drawing, const std::vector<std::string>& paths, bool overwrite,
+                    Progress& progress) {
+  progress.begin(cameras.size() > 1 ? "drawing pictures" : "drawing", static_cast<std::int64_t>(cameras.size()) * drawing.view.height);
+  Frame sum{drawing.view, {}, 0, 0, 0};
+  const auto draw_one = [&](std::size_t i, const std::string& path, bool replace) {
+    const Frame frame = draw_picture(renderer, cameras[i], drawing, path, replace, progress);
+    sum.patches += frame.patches, sum.triangles += frame.triangles, sum.tiles_loaded += frame.tiles_loaded;
+  };
+  if (cameras.size() == 1) {
+    draw_one(0, paths[0], overwrite);
+  } else {
+    StagedFiles files(paths.back(), overwrite);
+    for (std::size_t i = 0; i < cameras.size(); ++i)
+      draw_one(i, std::filesystem::path(files.staged()).replace_filename(std::filesystem::path(paths[i]).filename()).string(), false);
+    files.publish();
+  }
+  progress.end();
+  return sum;
 }
 
 }  // namespace
 
 std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArguments& arguments) {
   return {
-      verb->add_option("--look-from", arguments.look_from_deg, "Perspective: the camera stands in this direction, degrees clockwise from north (default: 200)")
+      verb->add_option("--look-from", arguments.camera.look_from_deg, "Perspective: the camera stands in this direction, degrees clockwise from north (default: 200)")
           ->check(CLI::Range(0.0, 360.0)),
-      verb->add_option("--pitch", arguments.pitch_deg, "Perspective: it stands so many degrees above the middle, 90 is from straight above (default: 35)")
+      verb->add_option("--pitch", arguments.camera.pitch_deg, "Perspective: it stands so many degrees above the middle, 90 is from straight above (default: 35)")
           ->check(CLI::Range(1.0, 90.0)),
-      verb->add_option("--distance", arguments.distance_m, "Perspective: metres from the middle (default: so that all is seen)")->check(above_zero()),
-      verb->add_option("--fov", arguments.field_of_view_deg, "Perspective: vertical field of view in degrees (default: 30)")->check(CLI::Range(1.0, 120.0)),
+      verb->add_option("--distance", arguments.camera.distance_m, "Perspective: metres from the middle, or from --look-at (default: so that all is seen)")->check(above_zero()),
+      verb->add_option("--look-at", arguments.camera.look_at,
+                       "Perspective: the place in the middle of the picture, in the CRS of the DEM (degrees where that is geographic); Z in metres above its zero, not "
+                       "exaggerated (default: the ground there)")
+          ->type_name("X,Y[,Z]"),
+      verb->add_option("--eye", arguments.camera.eye,
+                       "Perspective: the camera stands here, likewise, or with X,Y,+H H metres above the ground, and looks at --look-at, or the middle of the terrain; in "
+                       "place of --look-from, --pitch and --distance")
+          ->type_name("X,Y,Z"),
+      verb->add_option("--turntable", arguments.camera.turntable,
+                       "Perspective: so many pictures, OUT-000 and so on, from all round, clockwise from --look-from on; all appear when the last is drawn")
+          ->check(CLI::Range(2, 10000)),
+      verb->add_option("--fov", arguments.camera.field_of_view_deg, "Perspective: vertical field of view in degrees (default: 30)")->check(CLI::Range(1.0, 120.0)),
       verb->add_option("--size", arguments.size, "Perspective: WIDTHxHEIGHT in pixels (default: 1920x1080)"),
       verb->add_option("--style", arguments.mode, "Perspective: lit, wireframe, or levels, a colour for each level of detail (default: lit)")
           ->check(CLI::IsMember({"lit", "wireframe", "levels"})),
@@ -107,32 +159,45 @@ std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArg
 }
 
 void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common) {
-  const Size size = parse_size(arguments.size);
+  Drawing drawing{.view = parse_size(arguments.size), .mode = mode_of(arguments.mode), .depth = depth_of(arguments.output), .threads = common.threads};
+  check_camera(arguments.camera);
+  const std::vector<std::string> paths = picture_paths(arguments.output, arguments.camera.turntable);
+  for (const std::string& path : paths) check_picture_path(path, common.overwrite);
+  const bool legend = arguments.legend && drawing.depth != PictureDepth::half;
+  if (legend) warn_without_font(common);
+
   const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads);
+  const CameraGround ground{*input.source, input.geo, cell_size(input.geo, input.source->size())};
+  const CameraPlaces places = find_places(arguments.camera, ground);
   const auto progress = make_progress(common);
   SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 2);
-  scene.sun_azimuth_deg = arguments.sun_azimuth_deg;
+  scene.sun_azimuth_deg = arguments.sun_azimuth_deg + grid_north_deg(ground);
   scene.supersampling = 2;
-  TerrainRenderer renderer(*input.source, cell_size(input.geo, input.source->size()), scene, *progress);
-  const Camera camera = frame_box(renderer.box(), arguments.look_from_deg, arguments.pitch_deg, arguments.field_of_view_deg,
-                                  static_cast<double>(size.width) / static_cast<double>(size.height), arguments.distance_m);
-  const Frame frame = renderer.draw(camera, size, mode_of(arguments.mode));
-
-  Picture picture = picture_of(frame);
-  if (arguments.legend) {
-    draw_north(picture, camera);
-    // Levels have colours of their own.
-    if (arguments.mode != "levels" && !find_font().empty()) picture = add_legend(picture, renderer.facts(), arguments.ramp);
-  }
-  write_picture(arguments.output, picture, common.overwrite);
-
+  TerrainRenderer renderer(*input.source, ground.cell, scene, *progress);
   const SceneFacts& facts = renderer.facts();
+  const double aspect = static_cast<double>(drawing.view.width) / static_cast<double>(drawing.view.height);
+  const std::vector<Camera> cameras = place_cameras(arguments.camera, places, ground, renderer.box(), facts.exaggeration, aspect);
+  const Camera& camera = cameras.front();
+  const double pixel_m = metres_per_pixel(camera, drawing.view.height);
+  drawing.needle = legend;
+  drawing.grid_north_deg = grid_north_deg(ground);
+  // Levels have colours of their own.
+  if (legend && arguments.mode != "levels" && !find_font().empty()) drawing.legend = legend_of(facts, arguments.ramp, drawing.view.width, pixel_m);
+  const Frame frame = draw_pictures(renderer, cameras, drawing, paths, common.overwrite, *progress);
+
+  const std::int64_t height = drawing.view.height + drawing.legend.height();
+  const bool many = paths.size() > 1;
+  nlohmann::json data = {{"width", drawing.view.width}, {"height", height}, {"low_m", facts.low_m},
+                         {"high_m", facts.high_m}, {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
+                         {"tiles_loaded", frame.tiles_loaded}, {"camera_m", camera.eye}, {"target_m", camera.target},
+                         {"eye", place_in_crs(camera.eye, ground, facts.exaggeration)}, {"look_at", place_in_crs(camera.target, ground, facts.exaggeration)},
+                         {"metres_per_pixel", pixel_m}, {"renderer", renderer.driver()}};
+  many ? data["pictures"] = paths : data["picture"] = paths.front();
   print_result(common,
-               fmt::format("{}: {} x {} pixels, elevations {:.1f} to {:.1f} m, heights exaggerated {:g} times; {} triangles by {}\n", arguments.output,
-                           picture.width(), picture.height(), facts.low_m, facts.high_m, facts.exaggeration, frame.triangles, renderer.driver()),
-               {{"picture", arguments.output}, {"width", picture.width()}, {"height", picture.height()}, {"low_m", facts.low_m},
-                {"high_m", facts.high_m}, {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
-                {"tiles_loaded", frame.tiles_loaded}, {"camera_m", camera.eye}, {"target_m", camera.target}, {"renderer", renderer.driver()}});
+               fmt::format("{}: {}{} x {} pixels, elevations {:.1f} to {:.1f} m, heights exaggerated {:g} times; {} triangles by {}\n",
+                           many ? paths.front() + " to " + paths.back() : paths.front(), many ? fmt::format("{} pictures of ", paths.size()) : "", drawing.view.width, height,
+                           facts.low_m, facts.high_m, facts.exaggeration, frame.triangles, renderer.driver()),
+               data);
 }
 
 }  // namespace arete::tools

@@ -5,6 +5,7 @@
 #include <fstream>
 #include <iterator>
 
+#include <OpenImageIO/imageio.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -96,6 +97,76 @@ TEST_F(Image, SixteenBitsKeepTheirValues) {
   for (std::int64_t x = 0; x < 300; ++x) EXPECT_NEAR(back(x, 1)[0], static_cast<double>(x) * 218 / 257, 1);
 }
 
+/// The same picture by rows, four and the rest.
+template <typename Sample>
+void write_by_rows(const std::string& path, const std::vector<Sample>& rgba, Size size, PictureDepth depth) {
+  PictureFile file(path, size, depth, true);
+  const std::span<const Sample> all(rgba);
+  file.write(all.first(static_cast<std::size_t>(4 * 4 * size.width)));
+  file.write(all.subspan(static_cast<std::size_t>(4 * 4 * size.width)));
+  EXPECT_FALSE(fs::exists(path));
+  file.publish();
+}
+
+TEST_F(Image, WrittenByRowsHasTheSameBytes) {
+  const Picture picture = gradient();
+  const std::vector<std::uint8_t> rgba(picture.data()->data(), picture.data()->data() + 4 * 17 * 9);
+  for (const char* name : {"a.png", "a.tif"}) {
+    write_picture(path("whole-" + std::string(name)), picture);
+    write_by_rows(path(name), rgba, {17, 9}, PictureDepth::bits8);
+    EXPECT_EQ(bytes(path(name)), bytes(path("whole-" + std::string(name))));
+  }
+}
+
+TEST_F(Image, SixteenBitsAndHalfFloatsKeepWhatEightCannot) {
+  std::vector<std::uint16_t> fine;
+  std::vector<float> light;
+  for (int i = 0; i < 17 * 9; ++i)
+    for (int c = 0; c < 4; ++c) fine.push_back(static_cast<std::uint16_t>(c == 3 ? 65535 : 30000 + 3 * i + c)), light.push_back(c == 3 ? 1.0f : 0.25f * static_cast<float>(i + c));
+  write_by_rows(path("a.tif"), fine, {17, 9}, PictureDepth::bits16);
+  write_by_rows(path("a.exr"), light, {17, 9}, PictureDepth::half);
+  const auto a = OIIO::ImageInput::open(path("a.tif")), b = OIIO::ImageInput::open(path("a.exr"));
+  ASSERT_TRUE(a && b);
+  EXPECT_EQ(a->spec().format, OIIO::TypeDesc::UINT16);
+  EXPECT_EQ(b->spec().format, OIIO::TypeDesc::HALF);
+  ASSERT_EQ(a->spec().nchannels, 3);
+  std::vector<std::uint16_t> fine_back(3 * 17 * 9);
+  std::vector<float> light_back(3 * 17 * 9);
+  ASSERT_TRUE(a->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT16, fine_back.data()));
+  ASSERT_TRUE(b->read_image(0, 0, 0, 3, OIIO::TypeDesc::FLOAT, light_back.data()));
+  for (std::size_t i = 0; i < 17 * 9; ++i)
+    for (std::size_t c = 0; c < 3; ++c) {
+      ASSERT_EQ(fine_back[3 * i + c], fine[4 * i + c]);
+      ASSERT_EQ(light_back[3 * i + c], light[4 * i + c]);  // quarters up to 38 are half floats
+    }
+  // Samples of 8 bits are white where they were.
+  std::vector<std::uint8_t> coarse(4 * 17 * 9, 255);
+  coarse[0] = 1;
+  write_by_rows(path("b.tif"), coarse, {17, 9}, PictureDepth::bits16);
+  const auto c = OIIO::ImageInput::open(path("b.tif"));
+  ASSERT_TRUE(c && c->read_image(0, 0, 0, 3, OIIO::TypeDesc::UINT16, fine_back.data()));
+  EXPECT_EQ(fine_back[0], 257);
+  EXPECT_EQ(fine_back[1], 65535);
+}
+
+TEST_F(Image, APictureThatIsNotFinishedNeverAppears) {
+  {
+    PictureFile file(path("a.png"), {17, 9}, PictureDepth::bits8, false);
+    file.write(std::vector<std::uint8_t>(4 * 17 * 4, 7));
+  }
+  EXPECT_EQ(files(), 0u);
+  std::ofstream(path("a.png")) << "mine";
+  EXPECT_EQ(kind_of([&] { PictureFile(path("a.png"), {17, 9}, PictureDepth::bits8, false); }), ErrorKind::disk);
+  EXPECT_EQ(bytes(path("a.png")), "mine");
+}
+
+TEST_F(Image, TheExtensionSaysTheDepth) {
+  EXPECT_EQ(depth_of("a.PNG"), PictureDepth::bits8);
+  EXPECT_EQ(depth_of("a.tiff"), PictureDepth::bits16);
+  EXPECT_EQ(depth_of("a.b.exr"), PictureDepth::half);
+  for (const char* name : {"a.jpg", "a", "png", "a.html"}) EXPECT_EQ(kind_of([&] { depth_of(name); }), ErrorKind::format) << name;
+}
+
 TEST_F(Image, TextIsDrawnWhereItIsMeasured) {
   if (find_font().empty()) GTEST_SKIP() << "no font; install fonts-dejavu-core";
   Picture picture(200, 40);
@@ -107,6 +178,23 @@ TEST_F(Image, TextIsDrawnWhereItIsMeasured) {
   EXPECT_LE(right, 100);
   EXPECT_GE(left, 100 - text_width("1250 m", 16) - 2);
   EXPECT_GT(right - left, 30);
+}
+
+TEST_F(Image, TextIsCutAtTheBorders) {
+  if (find_font().empty()) GTEST_SKIP() << "no font; install fonts-dejavu-core";
+  Picture whole(200, 100, {200, 210, 220, 255});
+  draw_text(whole, 100, 50, "Nmgy 1250 m", 24, {40, 30, 20, 255}, Align::centre);
+  // The same text over parts of the same ground is the same part of the text.
+  for (const std::int64_t x : {-300, -100, -60, 0, 40, 90, 200})
+    for (const std::int64_t y : {-60, -40, -10, 0, 20, 40, 45, 90}) {
+      Picture part(60, 12, {200, 210, 220, 255});
+      draw_text(part, 100 - x, 50 - y, "Nmgy 1250 m", 24, {40, 30, 20, 255}, Align::centre);
+      for (std::int64_t j = 0; j < 12; ++j)
+        for (std::int64_t i = 0; i < 60; ++i) {
+          const bool inside = x + i >= 0 && y + j >= 0 && x + i < 200 && y + j < 100;
+          ASSERT_EQ(part(i, j), inside ? whole(x + i, y + j) : (Colour{200, 210, 220, 255})) << x << ' ' << y;
+        }
+    }
 }
 
 TEST_F(Image, WithoutAFontTextIsSimplyAbsent) {

@@ -183,6 +183,50 @@ TEST_F(TerrainRendererTest, APictureInPartsIsOnePicture) {
   EXPECT_LT(jump(699), 1.5 * usual);
 }
 
+TEST_F(TerrainRendererTest, RowsAreThePictureFromTopToBottom) {
+  const Raster<float> cells = synthesize_mountains({300, 300}, {.seed = 8});
+  const ViewSource source(cells.view());
+  SceneOptions options;
+  options.supersampling = 2;
+  const auto renderer = render(source, options);
+  const Size picture{150, 1100};
+  const Camera from = frame_box(renderer->box(), 180, 60, 60, 150.0 / 1100, 9000);
+  const Frame frame = renderer->draw(from, picture);
+  std::vector<std::uint8_t> rgba;
+  const Frame counts = renderer->draw_rows(from, picture, DrawMode::lit, Highlights::roll_off, [&](const LightRows& rows) {
+    ASSERT_EQ(rows.y * picture.width * 4, static_cast<std::int64_t>(rgba.size()));
+    ASSERT_EQ(rows.size.width, picture.width);
+    EXPECT_LE(rows.size.height, 640);
+    rgba.resize(rgba.size() + static_cast<std::size_t>(rows.size.cells() * 4));
+    develop(rows, 1, &rgba[static_cast<std::size_t>(rows.y * picture.width * 4)]);
+  });
+  EXPECT_EQ(rgba, frame.rgba);
+  EXPECT_EQ(counts.triangles, frame.triangles);
+  EXPECT_TRUE(counts.rgba.empty());
+}
+
+TEST_F(TerrainRendererTest, HighlightsRollOffUnlessTheyAreKept) {
+  // A slope of snow that faces the sun.
+  Raster<float> cells(200, 200);
+  for (std::int64_t y = 0; y < 200; ++y)
+    for (std::int64_t x = 0; x < 200; ++x) cells(x, y) = static_cast<float>(15 * (x + y));
+  const ViewSource source(cells.view());
+  SceneOptions options;
+  options.ramp = {{250, 250, 250}};
+  options.exaggeration = 1;
+  options.haze = 0;
+  const auto renderer = render(source, options);
+  const Camera above = frame_box(renderer->box(), 180, 90, 20, 1, 20000);
+  const auto light_in_the_middle = [&](Highlights highlights) {
+    float light = 0;
+    renderer->draw_rows(above, {64, 64}, DrawMode::lit, highlights, [&](const LightRows& rows) { light = rows.rgba[(32 * 64 + 32) * 4]; });
+    return static_cast<double>(light);
+  };
+  const double kept = light_in_the_middle(Highlights::kept), rolled = light_in_the_middle(Highlights::roll_off);
+  EXPECT_GT(kept, 1.05);
+  EXPECT_NEAR(rolled, 0.7 + 0.3 * (1 - std::exp(-(kept - 0.7) / 0.3)), 0.002);  // half floats
+}
+
 TEST_F(TerrainRendererTest, VoidsAreHolesWithoutSpikes) {
   Raster<float> cells = synthesize_mountains({260, 260}, {.seed = 9});
   float low = cells(0, 0), high = low;
