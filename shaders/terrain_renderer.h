@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,26 +9,11 @@
 #include "core/terrain/georeference.h"
 #include "core/terrain/raster_io.h"
 #include "shaders/camera.h"
+#include "shaders/frame.h"
 #include "shaders/terrain_quadtree.h"
 #include "shaders/terrain_scene.h"
 
 namespace arete {
-
-enum class DrawMode {
-  lit,        ///< colours of heights under sun, sky and haze
-  wireframe,  ///< the same with the sides of its triangles
-  levels,     ///< a colour for each level of the quadtree
-  coverage,   ///< white where there is terrain, transparent black elsewhere; as one sample of each pixel shows it
-};
-
-/// A picture with what it took.
-struct Frame {
-  Size size;
-  std::vector<std::uint8_t> rgba;  ///< sRGB, row 0 at the top
-  std::int64_t patches = 0;
-  std::int64_t triangles = 0;      ///< of all patches together
-  std::int64_t tiles_loaded = 0;   ///< that were not on the GPU already
-};
 
 /// Draws a terrain in perspective with hardware tessellation, without a window. Every vertex is a sample of the DEM, displaced in the
 /// tessellation evaluation stage; the quadtree (terrain_quadtree.h) says which. Slopes are taken per pixel from samples about as far
