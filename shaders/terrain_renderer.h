@@ -8,10 +8,8 @@
 #include "core/support/progress.h"
 #include "core/terrain/georeference.h"
 #include "core/terrain/raster_io.h"
-#include "shaders/camera.h"
-#include "shaders/frame.h"
+#include "shaders/scene_renderer.h"
 #include "shaders/terrain_quadtree.h"
-#include "shaders/terrain_scene.h"
 
 namespace arete {
 
@@ -24,25 +22,19 @@ namespace arete {
 ///
 /// Guarantees: 1. the same driver gives the same bytes for the same calls, whatever `threads` is and was drawn before. 2. Meshes have no
 /// cracks (terrain_quadtree.h). 3. Memory: memory_bytes, the quadtree, and a part of 1024 x 1024 pixels of the picture.
-class TerrainRenderer {
+class TerrainRenderer final : public SceneRenderer {
  public:
   /// Reads the source two to three times by windows; it must outlive the renderer. `cell`: metric size of a cell.
   /// Throws Error{input} without a driver for OpenGL 4.5, where the raster is less than 2 x 2 cells, and where no cell is valid.
   TerrainRenderer(const RasterSource& source, CellSize cell, const SceneOptions& options, Progress& progress);
-  ~TerrainRenderer();
+  ~TerrainRenderer() override;
 
-  const SceneFacts& facts() const;
-  std::string driver() const;  ///< of OpenGL
-  /// Of all that may be drawn; walls as well.
-  Box box() const;
-  /// Of the ground at (x east, y north) as the light sees it (blocks of the overview, voids filled), in exaggerated metres; outside, that of the border.
-  double ground_height(double x_m, double y_m) const;
-
-  /// Draws from now on with this exaggeration (> 0) and sun. See light_scene for its cost.
-  void relight(double exaggeration, double sun_azimuth_deg, double sun_elevation_deg);
-
-  /// A picture of 1 x 1 to 16384 x 16384 pixels; throws Error{usage} beyond.
-  Frame draw(const Camera& camera, Size picture, DrawMode mode = DrawMode::lit);
+  const SceneFacts& facts() const override;
+  std::string driver() const override;
+  Box box() const override;
+  double ground_height(double x_m, double y_m) const override;
+  void relight(double exaggeration, double sun_azimuth_deg, double sun_elevation_deg) override;
+  Frame draw(const Camera& camera, Size picture, DrawMode mode = DrawMode::lit) override;
 
   /// The parts of draw(): which patches, and the picture of any patches.
   std::vector<TerrainPatch> select(const Camera& camera, Size picture) const;

@@ -250,7 +250,7 @@ bool fly_on(Session& s, double seconds) {
 bool relight_terrains(Session& s) {
   const bool heights = s.exaggeration != s.lit_exaggeration;
   if (!heights && s.sun.azimuth_deg == s.lit_sun.azimuth_deg && s.sun.elevation_deg == s.lit_sun.elevation_deg) return false;
-  for (TerrainRenderer* terrain : {s.terrains.first, s.terrains.second})
+  for (SceneRenderer* terrain : {s.terrains.first, s.terrains.second})
     if (terrain != nullptr) terrain->relight(s.exaggeration, s.sun.azimuth_deg, s.sun.elevation_deg);
   if (heights) stretch(s.scene.camera, s.exaggeration / s.lit_exaggeration);
   s.ground.box = s.terrains.first->box();
