@@ -403,7 +403,7 @@ std::string window_keys() {
          "R                       the first view, sun and exaggeration\n"
          "1 2, PageDown PageUp    exaggerate heights less, more\n"
          "L and drag, , .  ; '    move the sun: azimuth, height\n"
-         "Z  C                    sides of triangles; colours of levels of detail\n"
+         "Z  C                    sides of triangles; colours of levels of detail (of a DEM)\n"
          "Tab  [ ]                two terrains: side by side, swipe, first, second; move the divider (or drag it)\n"
          "T                       time and triangles of a picture, in the title\n"
          "P, F12                  save the picture\n"
