@@ -3,17 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include <fmt/format.h>
 
 #include "gis/colour_ramp.h"
-#include "gis/geodesy.h"
 #include "gis/image.h"
 #include "gis/legend.h"
-#include "shaders/terrain_renderer.h"
 #include "tools/drawn_terrain.h"
-#include "tools/elevation_input.h"
+#include "tools/scene_input.h"
 
 namespace arete::tools {
 namespace {
@@ -100,20 +99,23 @@ std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArg
       verb->add_option("--distance", arguments.distance_m, "Perspective: metres from the middle (default: so that all is seen)")->check(above_zero()),
       verb->add_option("--fov", arguments.field_of_view_deg, "Perspective: vertical field of view in degrees (default: 30)")->check(CLI::Range(1.0, 120.0)),
       verb->add_option("--size", arguments.size, "Perspective: WIDTHxHEIGHT in pixels (default: 1920x1080)"),
-      verb->add_option("--style", arguments.mode, "Perspective: lit, wireframe, or levels, a colour for each level of detail (default: lit)")
+      verb->add_option("--style", arguments.mode, "Perspective: lit, wireframe, or of a DEM levels, a colour for each level of detail (default: lit)")
           ->check(CLI::IsMember({"lit", "wireframe", "levels"})),
-      verb->add_option("--pixel-error", arguments.max_error_px, "Perspective: heights are drawn to so many pixels (default: 2)")->check(above_zero()),
+      verb->add_option("--pixel-error", arguments.max_error_px, "Perspective: heights of a DEM are drawn to so many pixels (default: 2)")->check(above_zero()),
   };
 }
 
 void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common) {
   const Size size = parse_size(arguments.size);
-  const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads);
+  SceneInput input = open_scene(arguments.input, arguments.dem, common);
+  if (input.is_mesh() && arguments.mode == "levels")
+    throw Error(ErrorKind::usage, "--style levels is of DEMs and trees (.sct), which are drawn in levels of detail: '" + arguments.input + "' is a mesh");
   const auto progress = make_progress(common);
   SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 2);
   scene.sun_azimuth_deg = arguments.sun_azimuth_deg;
   scene.supersampling = 2;
-  TerrainRenderer renderer(*input.source, cell_size(input.geo, input.source->size()), scene, *progress);
+  const std::unique_ptr<SceneRenderer> scene_renderer = make_renderer(input, input, scene, *progress);
+  SceneRenderer& renderer = *scene_renderer;
   const Camera camera = frame_box(renderer.box(), arguments.look_from_deg, arguments.pitch_deg, arguments.field_of_view_deg,
                                   static_cast<double>(size.width) / static_cast<double>(size.height), arguments.distance_m);
   const Frame frame = renderer.draw(camera, size, mode_of(arguments.mode));
