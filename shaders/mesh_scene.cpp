@@ -127,7 +127,7 @@ Raster<float> heights_from_above(const TriangleMesh& mesh, const Box& box, Size 
 void make_mesh_overview(const TriangleMesh& mesh, MeshScene& scene, const SceneOptions& options, Progress& progress) {
   const Box& box = scene.ground;
   const double wide = box.high[0] - box.low[0], high = box.high[1] - box.low[1];
-  const std::int64_t longest = std::clamp(static_cast<std::int64_t>(8 * std::sqrt(static_cast<double>(mesh.triangles.size()))), std::int64_t{128}, longest_overview);
+  const std::int64_t longest = std::clamp(static_cast<std::int64_t>(5 * std::sqrt(static_cast<double>(mesh.triangles.size()))), std::int64_t{128}, longest_overview);
   const auto cells = [&](double length) { return std::clamp(std::llround(length / std::max(wide, high) * static_cast<double>(longest)), 2LL, static_cast<long long>(longest)); };
   const Size size{cells(wide), cells(high)};
   scene.block = {wide / static_cast<double>(size.width), high / static_cast<double>(size.height)};

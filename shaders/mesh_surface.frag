@@ -34,7 +34,7 @@ float line_cover(vec3 a, vec3 b, vec3 opposite, vec2 at) {
   side /= max(length(side.xy), 1e-30);
   float height = opposite.z > 0.0 ? abs(dot(side, opposite)) / opposite.z : 1e6;
   float cover = clamp(0.5 * line_width + 0.5 - abs(dot(side, vec3(at, 1.0))), 0.0, 1.0);
-  return cover * mix(0.12, 0.9, smoothstep(2.0, 9.0, height / line_width));
+  return cover * mix(0.12, 0.9, smoothstep(1.5, 6.0, height / line_width));
 }
 
 vec3 on_picture(vec3 from_eye) {
