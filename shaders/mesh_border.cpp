@@ -89,6 +89,12 @@ std::vector<BorderSide> find_border(const TriangleMesh& mesh) {
   return border;
 }
 
+std::size_t end_of_loop(const std::vector<BorderSide>& border, std::size_t first) {
+  std::size_t end = first + 1;
+  while (end < border.size() && border[end].from == border[end - 1].to && border[end - 1].to != border[first].from) ++end;
+  return end;
+}
+
 Raster<std::uint8_t> cells_of_holes(const TriangleMesh& mesh, const MeshGrid& grid, std::vector<BorderSide>& border) {
   if (std::none_of(border.begin(), border.end(), [](const BorderSide& side) { return side.hole; })) return {};
   Raster<std::uint8_t> cells(grid.size.width, grid.size.height, 0);
@@ -124,9 +130,10 @@ Raster<std::uint8_t> cells_of_holes(const TriangleMesh& mesh, const MeshGrid& gr
   // Islands, loop by loop.
   for (std::size_t first = 0, end; first < border.size(); first = end) {
     std::size_t inside = 0;
-    for (end = first; end < border.size() && (end == first || border[end].from == border[end - 1].to); ++end) {
+    end = end_of_loop(border, first);
+    for (std::size_t i = first; i < end; ++i) {
       const auto at = [](double place, std::int64_t count) { return std::clamp(static_cast<std::int64_t>(std::floor(place)), std::int64_t{0}, count - 1); };
-      inside += cells(at(column(border[end].from), grid.size.width), at(row(border[end].from), grid.size.height));
+      inside += cells(at(column(border[i].from), grid.size.width), at(row(border[i].from), grid.size.height));
     }
     if (2 * inside > end - first)
       for (std::size_t i = first; i < end; ++i) border[i].hole = true;

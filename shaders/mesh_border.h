@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct BorderSide {
 /// The border of a mesh, loop after loop; where loops touch in a vertex, the side to the vertex of the lowest index follows. Time O(n log n), memory 32 MB and
 /// what the border takes. Indices below 2^31. Islands in holes are not told from other pieces yet.
 std::vector<BorderSide> find_border(const TriangleMesh& mesh);
+
+/// Where the loop ends that begins at that side.
+std::size_t end_of_loop(const std::vector<BorderSide>& border, std::size_t first);
 
 /// A grid over a mesh, row 0 in the north. `x`, `y`: metres, its north-west corner.
 struct MeshGrid {

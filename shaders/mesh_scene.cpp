@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -199,23 +200,61 @@ void place_vertices(const TriangleMesh& mesh, MeshScene& scene) {
   }
 }
 
-/// Walls under the sides of the border, or under those of holes: the outside is right of the way from `from` to `to`.
-void add_walls(const std::vector<BorderSide>& border, bool holes, MeshScene& scene) {
-  const auto add_foot = [&](std::uint32_t above) {
-    MeshPlace foot = scene.places[above];
-    foot.z = -1;
-    scene.places.push_back(foot);
-    return static_cast<std::uint32_t>(scene.places.size() - 1);
-  };
-  std::uint32_t before = 0, foot_before = 0;
-  for (std::size_t i = 0; i < border.size(); ++i) {
-    const BorderSide& side = border[i];
-    if (side.hole != holes) continue;
-    const bool follows = foot_before != 0 && before == side.from;
-    const std::uint32_t foot = follows ? foot_before : add_foot(side.from), next = add_foot(side.to);
-    scene.triangles.push_back({side.from, foot, next});
-    scene.triangles.push_back({side.from, next, side.to});
-    before = side.to, foot_before = next;
+/// A closed loop of the border.
+class BorderLoop {
+ public:
+  BorderLoop(std::span<const BorderSide> sides, const std::vector<Point3>& vertices) : sides_(sides), vertices_(vertices), ends_{0} {
+    for (const BorderSide& side : sides) {
+      const Point3 along = subtract(vertices[side.to], vertices[side.from]);
+      ends_.push_back(ends_.back() + std::hypot(along[0], along[1]));
+    }
+  }
+  double length() const { return ends_.back(); }
+  double begin_of(std::size_t side) const { return ends_[side]; }
+  double end_of(std::size_t side) const { return ends_[side + 1]; }
+  /// The mean direction outwards (to the right of the way) of all within `reach` of a place: across the chord.
+  std::array<float, 3> outwards(double place, double reach) const {
+    const std::array<double, 2> before = at(place - reach), after = at(place + reach);
+    return {static_cast<float>(after[1] - before[1]), static_cast<float>(before[0] - after[0]), 0};
+  }
+
+ private:
+  std::array<double, 2> at(double place) const {
+    place -= std::floor(place / length()) * length();
+    const auto side = std::min(static_cast<std::size_t>(std::upper_bound(ends_.begin() + 1, ends_.end(), place) - ends_.begin()) - 1, sides_.size() - 1);
+    const Point3 &a = vertices_[sides_[side].from], &b = vertices_[sides_[side].to];
+    const double share = std::clamp((place - ends_[side]) / (ends_[side + 1] - ends_[side]), 0.0, 1.0);
+    return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
+  }
+  std::span<const BorderSide> sides_;
+  const std::vector<Point3>& vertices_;
+  std::vector<double> ends_;
+};
+
+/// Walls under the sides of the border, or under those of holes. Their light is that of the border within a hundredth of the mesh, so that the steps of cells
+/// around voids are no stripes; sides that are longer are lit as they stand.
+void add_walls(const std::vector<BorderSide>& border, const std::vector<Point3>& vertices, bool holes, MeshScene& scene) {
+  const Point3 span = subtract(scene.ground.high, scene.ground.low);
+  for (std::size_t first = 0, end; first < border.size(); first = end) {
+    end = end_of_loop(border, first);
+    if (border[first].hole != holes) continue;
+    const BorderLoop loop(std::span<const BorderSide>(border).subspan(first, end - first), vertices);
+    const double reach = std::min(0.01 * std::max(span[0], span[1]), loop.length() / 8);
+    for (std::size_t i = first; i < end; ++i) {
+      const double from = loop.begin_of(i - first), to = loop.end_of(i - first);
+      if (!(to > from)) continue;
+      const bool flat = to - from > reach;
+      const auto add = [&](std::uint32_t above, double place, bool foot) {
+        MeshPlace corner = scene.places[above];
+        corner.normal = pack_normal(flat ? loop.outwards((from + to) / 2, 0.49 * (to - from)) : loop.outwards(place, reach));
+        if (foot) corner.z = -1;
+        scene.places.push_back(corner);
+        return static_cast<std::uint32_t>(scene.places.size() - 1);
+      };
+      const std::uint32_t a = add(border[i].from, from, false), b = add(border[i].from, from, true), c = add(border[i].to, to, true), d = add(border[i].to, to, false);
+      scene.triangles.push_back({a, b, c});
+      scene.triangles.push_back({a, c, d});
+    }
   }
 }
 
@@ -287,15 +326,18 @@ std::unique_ptr<MeshScene> prepare_mesh(TriangleMesh mesh, const SceneOptions& o
 
   place_vertices(mesh, *scene);
   std::vector<BorderSide> border = find_border(mesh);
+  // Walls are few, but under a mesh of loose triangles.
+  const auto sides = static_cast<std::int64_t>(border.size());
+  require_mesh_memory(static_cast<std::int64_t>(mesh.vertices.size()) + 4 * sides, static_cast<std::int64_t>(mesh.triangles.size()) + 2 * sides, options);
   const Raster<std::uint8_t> under_holes =
       cells_of_holes(mesh, {scene->overview.cells.size(), scene->ground.low[0], scene->ground.high[1], scene->block}, border);
   scene->facts.has_voids = std::any_of(border.begin(), border.end(), [](const BorderSide& side) { return side.hole; });
   scene->triangles = std::move(mesh.triangles);
   const auto count = [&] { return static_cast<std::int64_t>(scene->triangles.size()); };
   scene->first_wall = count();
-  if (options.walls) add_walls(border, false, *scene);
+  if (options.walls) add_walls(border, mesh.vertices, false, *scene);
   scene->first_side = count();
-  if (options.walls) add_walls(border, true, *scene);
+  if (options.walls) add_walls(border, mesh.vertices, true, *scene);
   scene->first_floor = count();
   if (options.walls) add_floor(under_holes, *scene);
   make_chunks(*scene);

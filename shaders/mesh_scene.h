@@ -17,7 +17,7 @@ namespace arete {
 /// away the eye is. z below 0: the foot of a wall.
 struct MeshPlace {
   std::int32_t x = 0, y = 0, z = 0;
-  std::uint32_t normal = 0;  ///< of the triangles around, weighted by area; octahedral, 2 x 16 bits, heights not exaggerated
+  std::uint32_t normal = 0;  ///< of the triangles around, weighted by area; octahedral, 2 x 16 bits, heights not exaggerated. Of walls: outwards
 };
 
 /// Triangles that lie together and follow each other; metres, heights not exaggerated.
@@ -42,7 +42,8 @@ struct MeshScene {
   double base = 0;  ///< the foot of the walls, exaggerated metres
 };
 
-/// Memory that a mesh takes at most while it is prepared and while it is drawn, besides 40 MB for its overview.
+/// Memory that a mesh takes at most while it is prepared and while it is drawn, besides 40 MB for its overview. Of walls, four vertices and two triangles for each side of the
+/// border.
 std::int64_t mesh_bytes(std::int64_t vertices, std::int64_t triangles);
 
 /// Throws Error{memory} before any work where mesh_bytes is more than options.memory_bytes.

@@ -68,7 +68,7 @@ vec3 surface_colour(uint number, vec3 from_eye) {
   share /= max(share.x + share.y + share.z, 1e-30);
   if (triangle >= first_of.x) {
     float depth_below = dot(share, vec3(lessThan(ivec3(a.z, b.z, c.z), ivec3(0))));
-    vec3 wall = lit_wall(face, depth_below);
+    vec3 wall = lit_wall(normalize(share.x * normal_of(a.w) + share.y * normal_of(b.w) + share.z * normal_of(c.w)), depth_below);
     if (triangle < first_of.y) return roll_off(wall);
     float open = 1.0 - depth_below;
     return mix(floor_colour, 0.45 * mix(wall, wall_colour * 0.7, 0.6), open * open * open);

@@ -114,7 +114,7 @@ TEST_F(MeshRendererTest, WhatIsNearerHidesWhatIsFarther) {
 TEST_F(MeshRendererTest, NoPixelShowsThroughFromFiftyCameras) {
   const Raster<float> cells = synthesize_mountains({240, 190}, {.seed = 6});
   TriangleMesh mesh = tin_of(ViewSource(cells.view()), 8);
-  const auto closed = draw_with(mesh, bare());
+  const auto closed = draw_with(mesh, bare()), block = draw_with(mesh, {});
   // The same without the triangles that the cameras look at.
   const Box box = closed->box();
   for (int i = 0; i < 25; ++i) {
@@ -134,6 +134,9 @@ TEST_F(MeshRendererTest, NoPixelShowsThroughFromFiftyCameras) {
     const Camera from = camera(*closed, i);
     const Frame frame = closed->draw(from, {320, 240}, DrawMode::coverage);
     EXPECT_EQ(count_holes(frame), 0) << "camera " << i;
+    if (i % 5 == 0) {
+      EXPECT_EQ(count_holes(block->draw(camera(*block, i), {320, 240}, DrawMode::coverage)), 0) << "with walls, camera " << i;
+    }
     seen += count_holes(open->draw(from, {320, 240}, DrawMode::coverage)) > 0;
   }
   EXPECT_GE(seen, 40);  // the detector sees what it is to see
@@ -307,7 +310,9 @@ TEST_F(MeshRendererTest, RefusesWhatItCannotDraw) {
   SceneOptions tight;
   tight.memory_bytes = mesh_bytes(3, 1) - 1;
   EXPECT_THAT(error_of(good, tight, ErrorKind::memory), testing::HasSubstr("1 triangles and 3 vertices"));
-  tight.memory_bytes = mesh_bytes(3, 1);
+  tight.memory_bytes = mesh_bytes(3 + 4 * 3, 1 + 2 * 3) - 1;
+  EXPECT_THAT(error_of(good, tight, ErrorKind::memory), testing::HasSubstr("7 triangles and 15 vertices"));  // with its walls
+  ++tight.memory_bytes;
   EXPECT_EQ(error_of(good, tight, ErrorKind::memory), "nothing");
   EXPECT_THROW(draw_with(good, {})->draw({}, {0, 5}), Error);
 }
