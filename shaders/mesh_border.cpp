@@ -124,7 +124,8 @@ Raster<std::uint8_t> cells_of_holes(const TriangleMesh& mesh, const MeshGrid& gr
     for (std::size_t i = 0; i + 1 < at.size(); ++i) {
       winding += at[i].second;
       if (winding == 0) continue;
-      for (auto x = std::max<std::int64_t>(0, std::llround(at[i].first)); x < std::min<std::int64_t>(grid.size.width, std::llround(at[i + 1].first)); ++x) cells(x, y) = 1;
+      const std::int64_t end = std::min<std::int64_t>(grid.size.width, std::llround(at[i + 1].first));
+      for (auto x = std::max<std::int64_t>(0, std::llround(at[i].first)); x < end; ++x) cells(x, y) = 1;
     }
   }
   // Islands, loop by loop.

@@ -32,14 +32,15 @@ GLuint make_buffer(const std::vector<T>& values, const char* what) {
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &most);
   const auto bytes = static_cast<std::int64_t>(values.size() * sizeof(T));
   if (bytes > most)
-    throw Error(ErrorKind::memory, "cannot draw the mesh: its " + std::string(what) + " take " + std::to_string(bytes / 1'000'000) + " MB, and the OpenGL driver holds " +
-                                       std::to_string(most / 1'000'000) + " MB of them; draw a coarser mesh");
+    throw Error(ErrorKind::memory, "cannot draw the mesh: its " + std::string(what) + " take " + std::to_string(bytes / 1'000'000) +
+                                       " MB, and the OpenGL driver holds " + std::to_string(most / 1'000'000) + " MB of them; draw a coarser mesh");
   GLuint buffer = 0;
   glCreateBuffers(1, &buffer);
   glNamedBufferStorage(buffer, static_cast<GLsizeiptr>(bytes), values.data(), 0);
   if (glGetError() == GL_OUT_OF_MEMORY) {
     glDeleteBuffers(1, &buffer);
-    throw Error(ErrorKind::memory, "cannot draw the mesh: the OpenGL driver has no room for its " + std::string(what) + ", " + std::to_string(bytes / 1'000'000) + " MB");
+    throw Error(ErrorKind::memory, "cannot draw the mesh: the OpenGL driver has no room for its " + std::string(what) + ", " +
+                                       std::to_string(bytes / 1'000'000) + " MB; draw a coarser mesh");
   }
   return buffer;
 }
@@ -79,8 +80,8 @@ struct MeshRenderer::Impl {
   void set_scene() const {
     const std::pair<const char*, int> units[] = {{"seen", 0}, {"depths", 1}, {"light", 3}, {"ramp", 4}};
     for (const auto& [name, unit] : units) set_int(surface, name, unit);
-    for (const GLuint program : {geometry, surface})
-      set(program, "unit", Colour3{static_cast<float>(scene->unit_m), static_cast<float>(scene->unit_m), static_cast<float>(scene->unit_m * scene->facts.exaggeration)});
+    const auto unit = static_cast<float>(scene->unit_m), unit_up = static_cast<float>(scene->unit_m * scene->facts.exaggeration);
+    for (const GLuint program : {geometry, surface}) set(program, "unit", Colour3{unit, unit, unit_up});
     set_int3(surface, "first_of", {scene->first_wall, scene->first_side, scene->first_floor});
     // Nothing is water where the mesh lies above 0 m.
     const double sea = std::round(-scene->ground.low[2] / scene->unit_m);
@@ -180,7 +181,9 @@ Box MeshRenderer::box() const { return impl_->box(); }
 double MeshRenderer::ground_height(double x_m, double y_m) const {
   const MeshScene& scene = *impl_->scene;
   const Size size = scene.overview.cells.size();
-  const auto cell = [](double metres, double cell_m, std::int64_t count) { return std::clamp(static_cast<std::int64_t>(std::floor(metres / cell_m)), std::int64_t{0}, count - 1); };
+  const auto cell = [](double metres, double cell_m, std::int64_t count) {
+    return static_cast<std::int64_t>(std::clamp(std::floor(metres / cell_m), 0.0, static_cast<double>(count - 1)));
+  };
   const std::int64_t x = cell(x_m - scene.ground.low[0], scene.block.x_m, size.width), y = cell(scene.ground.high[1] - y_m, scene.block.y_m, size.height);
   return static_cast<double>(scene.overview.cells(x, y)) * scene.facts.exaggeration;
 }

@@ -42,7 +42,8 @@ void tidy(TriangleMesh& mesh) {
     const Triangle t = mesh.triangles[i];
     for (const std::uint32_t corner : t)
       if (corner >= vertices)
-        throw Error(ErrorKind::input, "cannot draw the mesh: triangle " + std::to_string(i) + " names vertex " + std::to_string(corner) + ", but there are only " + std::to_string(vertices));
+        throw Error(ErrorKind::input, "cannot draw the mesh: triangle " + std::to_string(i) + " names vertex " + std::to_string(corner) +
+                                          ", but there are only " + std::to_string(vertices));
     const Point3 area = twice_area(mesh, t);
     if (dot(area, area) == 0) continue;
     from_above += area[2];
@@ -128,8 +129,11 @@ Raster<float> heights_from_above(const TriangleMesh& mesh, const Box& box, Size 
 void make_mesh_overview(const TriangleMesh& mesh, MeshScene& scene, const SceneOptions& options, Progress& progress) {
   const Box& box = scene.ground;
   const double wide = box.high[0] - box.low[0], high = box.high[1] - box.low[1];
-  const std::int64_t longest = std::clamp(static_cast<std::int64_t>(5 * std::sqrt(static_cast<double>(mesh.triangles.size()))), std::int64_t{128}, longest_overview);
-  const auto cells = [&](double length) { return std::clamp(std::llround(length / std::max(wide, high) * static_cast<double>(longest)), 2LL, static_cast<long long>(longest)); };
+  const auto shown = static_cast<std::int64_t>(5 * std::sqrt(static_cast<double>(mesh.triangles.size())));
+  const std::int64_t longest = std::clamp(shown, std::int64_t{128}, longest_overview);
+  const auto cells = [&](double length) {
+    return std::clamp<std::int64_t>(std::llround(length / std::max(wide, high) * static_cast<double>(longest)), 2, longest);
+  };
   const Size size{cells(wide), cells(high)};
   scene.block = {wide / static_cast<double>(size.width), high / static_cast<double>(size.height)};
   {
@@ -171,7 +175,7 @@ std::uint32_t pack_normal(const std::array<float, 3>& n) {
     const float folded_u = (1 - std::abs(v)) * (u < 0 ? -1.0f : 1.0f), folded_v = (1 - std::abs(u)) * (v < 0 ? -1.0f : 1.0f);
     u = folded_u, v = folded_v;
   }
-  const auto bits = [](float x) { return static_cast<std::uint32_t>(static_cast<std::uint16_t>(static_cast<std::int16_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 32767)))); };
+  const auto bits = [](float x) { return static_cast<std::uint32_t>(std::lround(std::clamp(x, -1.0f, 1.0f) * 32767)) & 0xffff; };
   return bits(u) | bits(v) << 16;
 }
 
@@ -251,7 +255,8 @@ void add_walls(const std::vector<BorderSide>& border, const std::vector<Point3>&
         scene.places.push_back(corner);
         return static_cast<std::uint32_t>(scene.places.size() - 1);
       };
-      const std::uint32_t a = add(border[i].from, from, false), b = add(border[i].from, from, true), c = add(border[i].to, to, true), d = add(border[i].to, to, false);
+      const std::uint32_t a = add(border[i].from, from, false), b = add(border[i].from, from, true);
+      const std::uint32_t c = add(border[i].to, to, true), d = add(border[i].to, to, false);
       scene.triangles.push_back({a, b, c});
       scene.triangles.push_back({a, c, d});
     }
@@ -307,9 +312,9 @@ void require_mesh_memory(std::int64_t vertices, std::int64_t triangles, const Sc
   const std::int64_t bytes = vertices > most || triangles > most ? INT64_MAX : mesh_bytes(vertices, triangles);
   if (bytes <= options.memory_bytes) return;
   const auto megabytes = [](std::int64_t count) { return std::to_string((count + 999'999) / 1'000'000) + " MB"; };
-  throw Error(ErrorKind::memory, "cannot draw a mesh of " + std::to_string(triangles) + " triangles and " + std::to_string(vertices) + " vertices: " +
-                                     (bytes == INT64_MAX ? "at most 2^30 of each can be drawn" : "it takes " + megabytes(bytes) + ", and " + megabytes(options.memory_bytes) + " are given") +
-                                     "; give more memory, or a coarser mesh");
+  const std::string limit = bytes == INT64_MAX ? "at most 2^30 of each can be drawn; draw a coarser mesh"
+                                               : "it takes " + megabytes(bytes) + ", and " + megabytes(options.memory_bytes) + " are given; give more memory, or a coarser mesh";
+  throw Error(ErrorKind::memory, "cannot draw a mesh of " + std::to_string(triangles) + " triangles and " + std::to_string(vertices) + " vertices: " + limit);
 }
 
 std::unique_ptr<MeshScene> prepare_mesh(TriangleMesh mesh, const SceneOptions& options, Progress& progress) {

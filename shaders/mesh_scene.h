@@ -42,8 +42,8 @@ struct MeshScene {
   double base = 0;  ///< the foot of the walls, exaggerated metres
 };
 
-/// Memory that a mesh takes at most while it is prepared and while it is drawn, besides 40 MB for its overview. Of walls, four vertices and two triangles for each side of the
-/// border.
+/// Memory that a mesh takes at most while it is prepared and while it is drawn, besides 40 MB for its overview. Of walls, four vertices and two triangles for
+/// each side of the border.
 std::int64_t mesh_bytes(std::int64_t vertices, std::int64_t triangles);
 
 /// Throws Error{memory} before any work where mesh_bytes is more than options.memory_bytes.

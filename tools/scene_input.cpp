@@ -45,10 +45,13 @@ TriangleMesh place_mesh(const SceneInput& input, const SceneInput& frame, Progre
     throw Error(ErrorKind::input, fmt::format("'{}' and '{}' share no ground", frame.path, input.path));
   for_triangle_blocks(file.mesh, [&](std::int64_t first, std::span<const MeshTriangle> triangles) {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      for (const std::int64_t corner : triangles[i])
+      const auto index = [&](std::int64_t corner) {
         if (corner < 0 || corner >= file.mesh.vertices())
-          throw Error(ErrorKind::input, fmt::format("triangle {} of '{}' names vertex {}, but there are only {}", first + static_cast<std::int64_t>(i), input.path, corner, file.mesh.vertices()));
-      mesh.triangles.push_back({static_cast<std::uint32_t>(triangles[i][0]), static_cast<std::uint32_t>(triangles[i][1]), static_cast<std::uint32_t>(triangles[i][2])});
+          throw Error(ErrorKind::input, fmt::format("triangle {} of '{}' names vertex {}, but there are only {}", first + static_cast<std::int64_t>(i),
+                                                    input.path, corner, file.mesh.vertices()));
+        return static_cast<std::uint32_t>(corner);
+      };
+      mesh.triangles.push_back({index(triangles[i][0]), index(triangles[i][1]), index(triangles[i][2])});
     }
   });
   return mesh;

@@ -26,12 +26,12 @@ struct SceneInput {
 /// Throws as open_elevations, read_mesh and mesh_plane.
 SceneInput open_scene(const std::string& path, const DemReadOptions& options, const CommonOptions& common);
 
-/// Metres from the first sample of one to that of another, where the coordinates of its renderer begin. 0 for a mesh, which is placed in the cells of the first. Throws as
-/// place_in_cells.
+/// Metres from the first sample of one to that of another, where the coordinates of its renderer begin. 0 for a mesh, which is placed in the cells of the
+/// first. Throws as place_in_cells.
 Point3 offset_between(const SceneInput& first, const SceneInput& other);
 
-/// A renderer of the input, which must outlive it; a mesh is placed in the cells of `frame` and is read no more. Throws as the renderers and RasterPlane, and Error{input} where
-/// the mesh and `frame` share no ground.
+/// A renderer of the input, which must outlive it; a mesh is placed in the cells of `frame` and is read no more. Throws as the renderers and RasterPlane, and
+/// Error{input} where the mesh and `frame` share no ground.
 std::unique_ptr<SceneRenderer> make_renderer(SceneInput& input, const SceneInput& frame, const SceneOptions& options, Progress& progress);
 
 }  // namespace arete::tools
