@@ -22,9 +22,25 @@ std::string one_line(std::string log) {
   return log;
 }
 
+/// The text of a stage with the files in it that it includes, one a line: #include "light.glsl".
+std::string whole_text(const std::string& name) {
+  const std::string text = stage_text(name), word = "#include \"";
+  std::string whole;
+  for (std::size_t at = 0, end; at < text.size(); at = end) {
+    end = text.find('\n', at) + 1;
+    if (end == 0) end = text.size();
+    if (text.compare(at, word.size(), word) == 0)
+      whole += stage_text(text.substr(at + word.size(), text.find('"', at + word.size()) - at - word.size()));
+    else
+      whole.append(text, at, end - at);
+  }
+  return whole;
+}
+
 GLuint compile(const std::string& name) {
   const GLuint shader = glCreateShader(stage_of(name));
-  const char* text = stage_text(name);
+  const std::string source = whole_text(name);
+  const char* text = source.c_str();
   glShaderSource(shader, 1, &text, nullptr);
   glCompileShader(shader);
   GLint ok = 0;

@@ -8,27 +8,21 @@
 #include <epoxy/gl.h>
 
 #include "core/support/error.h"
-#include "core/support/parallel.h"
+#include "shaders/canvas.h"
 #include "shaders/gl_context.h"
 #include "shaders/gl_program.h"
+#include "shaders/gl_uniforms.h"
+#include "shaders/scene_light.h"
 #include "shaders/tile_cache.h"
 
 namespace arete {
 namespace {
 
-constexpr std::int64_t largest_picture = 16384;
-// Parts that are drawn at once, in pixels of the canvas, and regions of them, in pixels of the picture.
-constexpr std::int64_t largest_part = 1280, smallest_region = 32;
+// Regions of a part that are drawn at once, in pixels of the picture.
+constexpr std::int64_t smallest_region = 32;
 // All alike.
 constexpr GLsizei patch_vertices = 4;
-
-using Colour3 = std::array<float, 3>;
-
-float to_linear(double v) { return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)); }  // IEC 61966-2-1
-Colour3 linear(int r, int g, int b) { return {to_linear(r / 255.0), to_linear(g / 255.0), to_linear(b / 255.0)}; }
-
-const Colour3 haze_colour = linear(222, 231, 240), zenith_colour = linear(104, 150, 202), below_colour = linear(247, 246, 243),
-              water_colour = linear(148, 186, 212);
+constexpr GLuint line_mark = 0x80000000u;
 
 /// What the vertex stage reads of a patch.
 struct PatchVertex {
@@ -37,109 +31,10 @@ struct PatchVertex {
   std::int32_t inner, side, number, above;
 };
 
-constexpr GLuint line_mark = 0x80000000u;
-
-constexpr int samples_per_pixel = 4;
-
-/// What is seen at each sample of a picture: the number of a patch, and how far away. And a picture to colour.
-class Canvas {
- public:
-  Canvas(std::int64_t width, std::int64_t height) : size_{width, height} {
-    const auto w = static_cast<GLsizei>(width), h = static_cast<GLsizei>(height);
-    glCreateTextures(GL_TEXTURE_2D_MULTISAMPLE, 2, seen_);
-    glCreateRenderbuffers(1, &picture_);
-    glCreateFramebuffers(2, frames_);
-    glTextureStorage2DMultisample(seen_[0], samples_per_pixel, GL_R32UI, w, h, GL_TRUE);
-    glTextureStorage2DMultisample(seen_[1], samples_per_pixel, GL_DEPTH_COMPONENT32F, w, h, GL_TRUE);
-    glNamedRenderbufferStorage(picture_, GL_RGBA16F, w, h);
-    glNamedFramebufferTexture(frames_[0], GL_COLOR_ATTACHMENT0, seen_[0], 0);
-    glNamedFramebufferTexture(frames_[0], GL_DEPTH_ATTACHMENT, seen_[1], 0);
-    glNamedFramebufferRenderbuffer(frames_[1], GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, picture_);
-    for (const GLuint frame : frames_)
-      if (glCheckNamedFramebufferStatus(frame, GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE)
-        throw Error(ErrorKind::format, "the OpenGL driver cannot draw to integers with a depth of 32 bits and four samples, or to half floats");
-    glBindFramebuffer(GL_FRAMEBUFFER, frames_[0]);
-    for (int i = 0; i < samples_per_pixel; ++i) {
-      GLfloat at[2];
-      glGetMultisamplefv(GL_SAMPLE_POSITION, static_cast<GLuint>(i), at);
-      offsets_x_[i] = at[0] - 0.5f;
-      offsets_y_[i] = at[1] - 0.5f;
-    }
-  }
-  ~Canvas() {
-    glDeleteFramebuffers(2, frames_);
-    glDeleteTextures(2, seen_);
-    glDeleteRenderbuffers(1, &picture_);
-  }
-  Canvas(const Canvas&) = delete;
-  Canvas& operator=(const Canvas&) = delete;
-
-  Size size() const { return size_; }
-  /// Nothing is seen any more within the scissors.
-  void clear() const {
-    const GLuint nothing[4] = {};
-    const GLfloat far = 0;
-    glDepthMask(GL_TRUE);
-    glClearNamedFramebufferuiv(frames_[0], GL_COLOR, 0, nothing);
-    glClearNamedFramebufferfv(frames_[0], GL_DEPTH, 0, &far);
-  }
-  void begin_surfaces(std::int64_t width, std::int64_t height) const { begin(frames_[0], width, height); }
-  void begin_colours(std::int64_t width, std::int64_t height) const {
-    begin(frames_[1], width, height);
-    glBindTextureUnit(0, seen_[0]);
-    glBindTextureUnit(1, seen_[1]);
-  }
-  /// Of each sample from the middle of its pixel.
-  const GLfloat* offsets_x() const { return offsets_x_; }
-  const GLfloat* offsets_y() const { return offsets_y_; }
-  /// Linear RGBA in half floats, row 0 at the bottom.
-  void read(std::int64_t width, std::int64_t height, std::vector<std::uint16_t>& pixels) const {
-    pixels.resize(static_cast<std::size_t>(width * height * 4));
-    glBindFramebuffer(GL_READ_FRAMEBUFFER, frames_[1]);
-    glReadPixels(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height), GL_RGBA, GL_HALF_FLOAT, pixels.data());
-  }
-
- private:
-  static void begin(GLuint frame, std::int64_t width, std::int64_t height) {
-    glBindFramebuffer(GL_FRAMEBUFFER, frame);
-    glViewport(0, 0, static_cast<GLsizei>(width), static_cast<GLsizei>(height));
-  }
-
-  Size size_;
-  GLuint seen_[2]{}, picture_ = 0, frames_[2]{};
-  GLfloat offsets_x_[samples_per_pixel]{}, offsets_y_[samples_per_pixel]{};
-};
-
 /// A few at a time: Mesa 22.3 in software takes the levels and values of one patch for another in longer calls, and of one vertex.
 void draw_patches(GLsizei first, GLsizei count) {
   constexpr GLsizei at_once = 8;
   for (GLsizei i = 0; i < count; i += at_once) glDrawArrays(GL_PATCHES, (first + i) * patch_vertices, std::min(at_once, count - i) * patch_vertices);
-}
-
-void set(GLuint program, const char* name, const Colour3& v) { glProgramUniform3f(program, glGetUniformLocation(program, name), v[0], v[1], v[2]); }
-void set(GLuint program, const char* name, double x) { glProgramUniform1f(program, glGetUniformLocation(program, name), static_cast<float>(x)); }
-void set(GLuint program, const char* name, double x, double y) {
-  glProgramUniform2f(program, glGetUniformLocation(program, name), static_cast<float>(x), static_cast<float>(y));
-}
-void set_int(GLuint program, const char* name, int x) { glProgramUniform1i(program, glGetUniformLocation(program, name), x); }
-void set_int(GLuint program, const char* name, std::int64_t x, std::int64_t y) {
-  glProgramUniform2i(program, glGetUniformLocation(program, name), static_cast<GLint>(x), static_cast<GLint>(y));
-}
-void set(GLuint program, const char* name, const std::array<double, 16>& m) {
-  std::array<float, 16> values;
-  std::copy(m.begin(), m.end(), values.begin());
-  glProgramUniformMatrix4fv(program, glGetUniformLocation(program, name), 1, GL_FALSE, values.data());
-}
-
-/// Nearest and farthest distance of a box.
-std::array<double, 2> distances(const Box& box, const Point3& eye) {
-  double nearest = 0, farthest = 0;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double below = box.low[c] - eye[c], above = eye[c] - box.high[c];
-    nearest += std::pow(std::max({0.0, below, above}), 2);
-    farthest += std::pow(std::max(std::abs(below), std::abs(above)), 2);
-  }
-  return {std::sqrt(nearest), std::sqrt(farthest)};
 }
 
 }  // namespace
@@ -153,8 +48,8 @@ struct TerrainRenderer::Impl {
     holed = link_program({"terrain.vert", "terrain.tesc", "terrain.tese", "holed.frag"});
     capture = link_program({"terrain.vert", "terrain.tesc", "terrain.tese"}, {"sample_height"});
     surface = link_program({"screen.vert", "surface.frag"});
-    make_light();
-    make_ramp();
+    light = make_light_texture(scene->light);
+    ramp = make_ramp_texture(options.ramp);
     make_patches();
     set_ground();
     set_colours();
@@ -169,32 +64,6 @@ struct TerrainRenderer::Impl {
     glDeleteVertexArrays(2, arrays);
     tiles.reset();
     canvas.reset();
-  }
-
-  void make_light() {
-    const Raster<float>&from = scene->light.sky, &sun = scene->light.sun;
-    std::vector<float> both(static_cast<std::size_t>(2 * from.size().cells()));
-    for (std::size_t i = 0; i < both.size() / 2; ++i) both[2 * i] = from.data()[i], both[2 * i + 1] = sun.data()[i];
-    const auto width = static_cast<GLsizei>(from.width()), height = static_cast<GLsizei>(from.height());
-    glCreateTextures(GL_TEXTURE_2D, 1, &light);
-    glTextureStorage2D(light, 1, GL_RG32F, width, height);
-    glTextureSubImage2D(light, 0, 0, 0, width, height, GL_RG, GL_FLOAT, both.data());
-    for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTextureParameteri(light, wrap, GL_CLAMP_TO_EDGE);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(light, filter, GL_LINEAR);
-  }
-
-  void make_ramp() {
-    std::vector<std::array<std::uint8_t, 3>> colours = options.ramp;
-    if (colours.empty()) colours = {{200, 198, 194}};
-    std::vector<float> table;
-    for (const auto& colour : colours)
-      for (const std::uint8_t value : colour) table.push_back(to_linear(value / 255.0));
-    const auto count = static_cast<GLsizei>(colours.size());
-    glCreateTextures(GL_TEXTURE_1D, 1, &ramp);
-    glTextureStorage1D(ramp, 1, GL_RGB32F, count);
-    glTextureSubImage1D(ramp, 0, 0, count, GL_RGB, GL_FLOAT, table.data());
-    glTextureParameteri(ramp, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(ramp, filter, GL_LINEAR);
   }
 
   void make_patches() {
@@ -226,15 +95,7 @@ struct TerrainRenderer::Impl {
     const Overview& overview = scene->overview;
     const std::int64_t columns = overview.across * overview.cells.width(), rows = overview.down * overview.cells.height();
     set(surface, "light_scale", 1 / static_cast<double>(columns), 1 / static_cast<double>(rows));
-    const double span = scene->facts.ramp_high_m - scene->facts.ramp_low_m;
-    set(surface, "ramp_range", scene->facts.ramp_low_m, span > 0 ? 1 / span : 1);
-    const double azimuth = options.sun_azimuth_deg * M_PI / 180, elevation = options.sun_elevation_deg * M_PI / 180;
-    const double level = std::cos(elevation);
-    set(surface, "to_sun", Colour3{static_cast<float>(std::sin(azimuth) * level), static_cast<float>(std::cos(azimuth) * level), static_cast<float>(std::sin(elevation))});
-    set(surface, "water_colour", water_colour);
-    set(surface, "haze_colour", haze_colour);
-    set(surface, "zenith_colour", zenith_colour);
-    set(surface, "below_colour", below_colour);
+    set_scene_light(surface, scene->facts, options);
   }
 
   Box box() const {
@@ -250,19 +111,8 @@ struct TerrainRenderer::Impl {
       set(program, "eye_part", column - std::floor(column), row - std::floor(row));
       set(program, "eye_height", camera.eye[2]);
     }
-    const auto [nearest, farthest] = distances(box(), camera.eye);
-    set(surface, "haze", -std::log(1 - std::clamp(options.haze, 0.0, 0.99)) / (farthest - nearest));
-    set(surface, "haze_from", nearest);
+    set_haze(surface, box(), camera.eye, options.haze);
     set_int(surface, "mode", mode == DrawMode::coverage ? 2 : mode == DrawMode::levels ? 1 : 0);
-  }
-
-  /// The one of the frame before where it has this size: memory that was touched already.
-  const Canvas& canvas_of(Size size) {
-    if (!canvas || canvas->size() != size) {
-      canvas.reset();
-      canvas = std::make_unique<Canvas>(size.width, size.height);
-    }
-    return *canvas;
   }
 
   void load_vertices(std::span<const TerrainPatch> patches, const std::vector<TileCache::Place>& places, std::span<const std::size_t> order) {
@@ -325,14 +175,10 @@ struct TerrainRenderer::Impl {
   void draw_part(std::span<const TerrainPatch> patches, const Camera& camera, Size picture, const PicturePart& part, int supersampling, DrawMode mode,
                  const Canvas& to) {
     const std::int64_t width = part.width * supersampling, height = part.height * supersampling;
-    const double near = std::max(0.1 * distances(box(), camera.eye)[0], 1e-6 * distances(box(), camera.eye)[1]);
+    const double near = near_of(box(), camera.eye);
     const auto projection = projection_matrix(camera, picture, part, near);
     for (const GLuint program : {whole, holed}) set(program, "projection", projection);
-    set(surface, "to_ray", ray_matrix(camera, picture, part));
-    set(surface, "near", near);
-    set(surface, "pixel", 2 / static_cast<double>(width), 2 / static_cast<double>(height));
-    glProgramUniform4fv(surface, glGetUniformLocation(surface, "offsets_x"), 1, to.offsets_x());
-    glProgramUniform4fv(surface, glGetUniformLocation(surface, "offsets_y"), 1, to.offsets_y());
+    to.set_samples(surface, camera, picture, part, supersampling, near);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glEnable(GL_SCISSOR_TEST);
     // In pixels of the canvas, `more` around the region.
@@ -373,36 +219,18 @@ struct TerrainRenderer::Impl {
     glDisable(GL_SCISSOR_TEST);
   }
 
-  /// Calls take(DrawnPart) for the parts of a picture, row by row. The frame has no pixels.
-  template <typename Take>
-  Frame draw_parts(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const Take& take) {
-    if (picture.width < 1 || picture.height < 1 || picture.width > largest_picture || picture.height > largest_picture)
-      throw Error(ErrorKind::usage, "cannot draw a picture of " + std::to_string(picture.width) + " x " + std::to_string(picture.height) +
-                                        " pixels: sides are 1 to " + std::to_string(largest_picture));
+  /// As SceneRenderer::draw_parts.
+  Frame draw_parts(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode, Highlights highlights,
+                   const std::function<void(const DrawnPart&)>& take) {
     context.make_current();
     const std::int64_t before = tiles->loaded();
-    Frame frame{picture, {}, static_cast<std::int64_t>(patches.size()), 0, 0};
-    for (const TerrainPatch& patch : patches) frame.triangles += count_triangles(patch);
-
     const int supersampling = mode == DrawMode::coverage ? 1 : std::clamp(options.supersampling, 1, 4);
-    // Parts of about the same size.
-    const auto side = [&](std::int64_t length) {
-      const std::int64_t count = (length * supersampling + largest_part - 1) / largest_part;
-      return (length + count - 1) / count;
-    };
-    const std::int64_t across = side(picture.width), down = side(picture.height);
-    const Canvas& target = canvas_of({across * supersampling, down * supersampling});
     set_camera(camera, mode);
-    set_int(surface, "rolls_off", highlights == Highlights::roll_off);
-    std::vector<std::uint16_t> pixels;
-    for (std::int64_t y = 0; y < picture.height; y += down)
-      for (std::int64_t x = 0; x < picture.width; x += across) {
-        const PicturePart part{x, y, std::min(across, picture.width - x), std::min(down, picture.height - y)};
-        draw_part(patches, camera, picture, part, supersampling, mode, target);
-        target.read(part.width * supersampling, part.height * supersampling, pixels);
-        take(DrawnPart{pixels, supersampling, part});
-      }
-    frame.tiles_loaded = tiles->loaded() - before;
+    set_highlights(surface, highlights);
+    draw_in_parts(picture, supersampling, canvas, take,
+                  [&](const PicturePart& part, const Canvas& to) { draw_part(patches, camera, picture, part, supersampling, mode, to); });
+    Frame frame{picture, {}, static_cast<std::int64_t>(patches.size()), 0, tiles->loaded() - before};
+    for (const TerrainPatch& patch : patches) frame.triangles += count_triangles(patch);
     return frame;
   }
 
@@ -439,7 +267,7 @@ void TerrainRenderer::relight(double exaggeration, double sun_azimuth_deg, doubl
   impl_->options.sun_elevation_deg = sun_elevation_deg;
   light_scene(*impl_->scene, exaggeration, sun_azimuth_deg, sun_elevation_deg, impl_->options.threads);
   glDeleteTextures(1, &impl_->light);
-  impl_->make_light();
+  impl_->light = make_light_texture(impl_->scene->light);
   impl_->set_ground();
   impl_->set_colours();
 }
@@ -450,28 +278,17 @@ std::vector<TerrainPatch> TerrainRenderer::select(const Camera& camera, Size pic
   return select_patches(impl_->scene->tree, impl_->scene->placement, camera, picture, impl_->options.detail);
 }
 
-Frame TerrainRenderer::draw(const Camera& camera, Size picture, DrawMode mode) { return draw(select(camera, picture), camera, picture, mode); }
+int TerrainRenderer::threads() const { return impl_->options.threads; }
+
+Frame TerrainRenderer::draw_parts(const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const std::function<void(const DrawnPart&)>& take) {
+  return impl_->draw_parts(select(camera, picture), camera, picture, mode, highlights, take);
+}
 
 Frame TerrainRenderer::draw(const std::vector<TerrainPatch>& patches, const Camera& camera, Size picture, DrawMode mode) {
   std::vector<std::uint8_t> rgba;
-  Frame frame = impl_->draw_parts(patches, camera, picture, mode, Highlights::roll_off, [&](const DrawnPart& drawn) {
-    rgba.resize(static_cast<std::size_t>(picture.cells() * 4));
-    develop(drawn, impl_->options.threads, picture.width, rgba.data());
-  });
+  Frame frame = impl_->draw_parts(patches, camera, picture, mode, Highlights::roll_off, develop_into(rgba, picture));
   frame.rgba = std::move(rgba);
   return frame;
-}
-
-Frame TerrainRenderer::draw_rows(const Camera& camera, Size picture, DrawMode mode, Highlights highlights, const std::function<void(const LightRows&)>& take) {
-  LightRows rows;
-  return impl_->draw_parts(select(camera, picture), camera, picture, mode, highlights, [&](const DrawnPart& drawn) {
-    const PicturePart& part = drawn.part;
-    rows.y = part.y;
-    rows.size = {picture.width, part.height};
-    rows.rgba.resize(static_cast<std::size_t>(rows.size.cells() * 4));
-    average(drawn, impl_->options.threads, rows);
-    if (part.x + part.width == picture.width) take(rows);
-  });
 }
 
 std::vector<std::array<float, 3>> TerrainRenderer::evaluate(const std::vector<TerrainPatch>& patches) {
@@ -480,7 +297,7 @@ std::vector<std::array<float, 3>> TerrainRenderer::evaluate(const std::vector<Te
   GLuint buffer = 0;
   glCreateBuffers(1, &buffer);
   // Nothing is drawn, but there must be something to draw to.
-  const Canvas& canvas = impl_->canvas_of({16, 16});
+  const Canvas canvas(16, 16);
   canvas.begin_surfaces(16, 16);
   glEnable(GL_RASTERIZER_DISCARD);
   for (std::span<const TerrainPatch> rest = patches; !rest.empty();) {

@@ -250,7 +250,7 @@ bool fly_on(Session& s, double seconds) {
 bool relight_terrains(Session& s) {
   const bool heights = s.exaggeration != s.lit_exaggeration;
   if (!heights && s.sun.azimuth_deg == s.lit_sun.azimuth_deg && s.sun.elevation_deg == s.lit_sun.elevation_deg) return false;
-  for (TerrainRenderer* terrain : {s.terrains.first, s.terrains.second})
+  for (SceneRenderer* terrain : {s.terrains.first, s.terrains.second})
     if (terrain != nullptr) terrain->relight(s.exaggeration, s.sun.azimuth_deg, s.sun.elevation_deg);
   if (heights) stretch(s.scene.camera, s.exaggeration / s.lit_exaggeration);
   s.ground.box = s.terrains.first->box();
@@ -403,7 +403,7 @@ std::string window_keys() {
          "R                       the first view, sun and exaggeration\n"
          "1 2, PageDown PageUp    exaggerate heights less, more\n"
          "L and drag, , .  ; '    move the sun: azimuth, height\n"
-         "Z  C                    sides of triangles; colours of levels of detail\n"
+         "Z  C                    sides of triangles; colours of levels of detail (of a DEM)\n"
          "Tab  [ ]                two terrains: side by side, swipe, first, second; move the divider (or drag it)\n"
          "T                       time and triangles of a picture, in the title\n"
          "P, F12                  save the picture\n"

@@ -3,16 +3,16 @@
 #include <array>
 #include <optional>
 
-#include "shaders/terrain_renderer.h"
+#include "shaders/scene_renderer.h"
 #include "shaders/view_controls.h"
 
 namespace arete {
 
-/// One terrain, or two on the same ground.
+/// One terrain, or two on the same ground; or meshes of it.
 struct ViewedTerrains {
-  TerrainRenderer* first = nullptr;
-  TerrainRenderer* second = nullptr;
-  Point3 offset_m = {0, 0, 0};  ///< from the first sample of the first to that of the second; z is 0
+  SceneRenderer* first = nullptr;
+  SceneRenderer* second = nullptr;
+  Point3 offset_m = {0, 0, 0};  ///< from where the coordinates of the first begin to where those of the second do; z is 0
 };
 
 /// What a picture of them shows.

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "gis/image.h"
-#include "shaders/terrain_renderer.h"
+#include "shaders/scene_renderer.h"
 #include "tools/command.h"
 
 namespace arete::tools {

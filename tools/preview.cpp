@@ -67,7 +67,6 @@ std::optional<double> parse_azimuth(const std::string& text) {
 
 /// The options that both views share, as this one takes them.
 PerspectiveArguments perspective_of(const PreviewArguments& arguments) {
-  if (is_mesh_file(arguments.input)) throw Error(ErrorKind::usage, "--view perspective is of DEMs and trees (.sct), '" + arguments.input + "' is a mesh");
   PerspectiveArguments perspective = arguments.perspective;
   perspective.input = arguments.input;
   perspective.output = arguments.output;
@@ -145,6 +144,7 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   CLI::App* verb = add_verb(app, "preview", "Draw a DEM or a mesh as a shaded relief map, in perspective, as a profile, or as a page to turn about in a browser",
                             "arete preview dem.tif relief.png\narete preview mesh.ply mesh.png\narete preview dem.tif view.png --view perspective --look-from 200\n"
                             "arete preview dem.tif view.tif --view perspective --eye 783000,186000,+300 --look-at 785000,189000\n"
+                            "arete preview mesh.ply view.png --view perspective --style wireframe\n"
                             "arete preview dem.tif profile.png --view profile --line 782000,186000,785000,189000\n"
                             "arete preview dem.tif page.html --compare finer.tif",
                             common, [arguments, common] { run_preview(*arguments, *common); });

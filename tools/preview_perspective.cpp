@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <memory>
 #include <span>
 #include <utility>
 #include <vector>
@@ -10,14 +11,12 @@
 #include <fmt/format.h>
 
 #include "gis/colour_ramp.h"
-#include "gis/geodesy.h"
 #include "gis/image.h"
 #include "gis/legend.h"
 #include "gis/staged_files.h"
-#include "shaders/terrain_renderer.h"
 #include "tools/drawn_terrain.h"
-#include "tools/elevation_input.h"
 #include "tools/north_needle.h"
+#include "tools/scene_input.h"
 
 namespace arete::tools {
 namespace {
@@ -86,7 +85,7 @@ void write_rows(const LightRows& rows, const Camera& camera, const Drawing& draw
   file.write(fine);
 }
 
-Frame draw_picture(TerrainRenderer& renderer, const Camera& camera, const Drawing& drawing, const std::string& path, bool overwrite, Progress& progress) {
+Frame draw_picture(SceneRenderer& renderer, const Camera& camera, const Drawing& drawing, const std::string& path, bool overwrite, Progress& progress) {
   PictureFile file(path, {drawing.view.width, drawing.view.height + drawing.legend.height()}, drawing.depth, overwrite);
   const Highlights highlights = drawing.depth == PictureDepth::half ? Highlights::kept : Highlights::roll_off;
   const Frame frame = renderer.draw_rows(camera, drawing.view, drawing.mode, highlights, [&](const LightRows& rows) {
@@ -110,7 +109,7 @@ std::vector<std::string> picture_paths(const std::string& output, int turntable)
 }
 
 /// Draws into files that appear together. The frame counts what all of them took.
-Frame draw_pictures(TerrainRenderer& renderer, const std::vector<Camera>& cameras, const Drawing& drawing, const std::vector<std::string>& paths, bool overwrite,
+Frame draw_pictures(SceneRenderer& renderer, const std::vector<Camera>& cameras, const Drawing& drawing, const std::vector<std::string>& paths, bool overwrite,
                     Progress& progress) {
   progress.begin(cameras.size() > 1 ? "drawing pictures" : "drawing", static_cast<std::int64_t>(cameras.size()) * drawing.view.height);
   Frame sum{drawing.view, {}, 0, 0, 0};
@@ -129,6 +128,25 @@ Frame draw_pictures(TerrainRenderer& renderer, const std::vector<Camera>& camera
   progress.end();
   return sum;
 }
+
+/// The ground of a mesh in the cells of its input, as its renderer knows it once there is one.
+class DrawnGround final : public RasterSource {
+ public:
+  DrawnGround(const std::unique_ptr<SceneRenderer>& renderer, const SceneInput& input) : renderer_(renderer), size_(input.size), cell_(input.cell) {}
+  Size size() const override { return size_; }
+  void read(const Window& window, RasterView<float> out) const override {
+    for (std::int64_t y = 0; y < window.height; ++y)
+      for (std::int64_t x = 0; x < window.width; ++x) {
+        const double height = renderer_->ground_height(static_cast<double>(window.x + x) * cell_.x_m, -static_cast<double>(window.y + y) * cell_.y_m);
+        out(x, y) = static_cast<float>(height / renderer_->facts().exaggeration);
+      }
+  }
+
+ private:
+  const std::unique_ptr<SceneRenderer>& renderer_;
+  Size size_;
+  CellSize cell_;
+};
 
 }  // namespace
 
@@ -152,9 +170,9 @@ std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArg
           ->check(CLI::Range(2, 10000)),
       verb->add_option("--fov", arguments.camera.field_of_view_deg, "Perspective: vertical field of view in degrees (default: 30)")->check(CLI::Range(1.0, 120.0)),
       verb->add_option("--size", arguments.size, "Perspective: WIDTHxHEIGHT in pixels (default: 1920x1080)"),
-      verb->add_option("--style", arguments.mode, "Perspective: lit, wireframe, or levels, a colour for each level of detail (default: lit)")
+      verb->add_option("--style", arguments.mode, "Perspective: lit, wireframe, or of a DEM levels, a colour for each level of detail (default: lit)")
           ->check(CLI::IsMember({"lit", "wireframe", "levels"})),
-      verb->add_option("--pixel-error", arguments.max_error_px, "Perspective: heights are drawn to so many pixels (default: 2)")->check(above_zero()),
+      verb->add_option("--pixel-error", arguments.max_error_px, "Perspective: heights of a DEM are drawn to so many pixels (default: 2)")->check(above_zero()),
   };
 }
 
@@ -166,14 +184,21 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   const bool legend = arguments.legend && drawing.depth != PictureDepth::half;
   if (legend) warn_without_font(common);
 
-  const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads);
-  const CameraGround ground{*input.source, input.geo, cell_size(input.geo, input.source->size())};
-  const CameraPlaces places = find_places(arguments.camera, ground);
+  SceneInput input = open_scene(arguments.input, arguments.dem, common);
+  if (input.is_mesh() && arguments.mode == "levels")
+    throw Error(ErrorKind::usage, "--style levels is of DEMs and trees (.sct), which are drawn in levels of detail: '" + arguments.input + "' is a mesh");
+  std::unique_ptr<SceneRenderer> scene_renderer;
+  const DrawnGround mesh_ground(scene_renderer, input);
+  const CameraGround ground{input.is_mesh() ? static_cast<const RasterSource&>(mesh_ground) : *input.dem.source, input.geo, input.cell};
+  CameraPlaces places;
+  if (!input.is_mesh()) places = find_places(arguments.camera, ground);
   const auto progress = make_progress(common);
   SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 2);
   scene.sun_azimuth_deg = arguments.sun_azimuth_deg + grid_north_deg(ground);
   scene.supersampling = 2;
-  TerrainRenderer renderer(*input.source, ground.cell, scene, *progress);
+  scene_renderer = make_renderer(input, input, scene, *progress);
+  SceneRenderer& renderer = *scene_renderer;
+  if (input.is_mesh()) places = find_places(arguments.camera, ground);
   const SceneFacts& facts = renderer.facts();
   const double aspect = static_cast<double>(drawing.view.width) / static_cast<double>(drawing.view.height);
   const std::vector<Camera> cameras = place_cameras(arguments.camera, places, ground, renderer.box(), facts.exaggeration, aspect);

@@ -26,7 +26,7 @@ struct PerspectiveArguments {
 /// Adds the options of this view to the verb, and returns them.
 std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArguments& arguments);
 
-/// Draws the picture and prints the result. Throws as DemReader, TerrainRenderer and write_picture do.
+/// Draws the picture and prints the result. Throws as open_scene, make_renderer and write_picture do.
 void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common);
 
 }  // namespace arete::tools

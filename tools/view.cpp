@@ -5,15 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "gis/alignment.h"
 #include "gis/colour_ramp.h"
-#include "gis/geodesy.h"
 #include "gis/image.h"
 #include "shaders/terrain_window.h"
 #include "tools/command.h"
 #include "tools/dem_options.h"
 #include "tools/drawn_terrain.h"
-#include "tools/elevation_input.h"
+#include "tools/scene_input.h"
 #include "tools/verbs.h"
 
 namespace arete::tools {
@@ -24,14 +22,6 @@ struct ViewArguments {
   DemReadOptions dem;
   double exaggeration = 0, look_from_deg = 200, pitch_deg = 35, field_of_view_deg = 30, max_error_px = 2, close_after_s = 0;
 };
-
-/// From the middle of the first cell of one to that of the other: metres east and north. Throws as place_in_cells.
-Point3 offset_between(const ViewArguments& arguments, const ElevationInput& a, const ElevationInput& b) {
-  const auto p = place_in_cells({arguments.input, a.geo, a.source->size()}, {arguments.other, b.geo, b.source->size()});
-  const CellSize cell = cell_size(a.geo, a.source->size());
-  const double column = p[0] + (p[1] + p[2]) / 2 - 0.5, row = p[3] + (p[4] + p[5]) / 2 - 0.5;
-  return {column * cell.x_m, -row * cell.y_m, 0};
-}
 
 /// The first name IN-view-N.png of the working folder that is free.
 std::string free_name(const std::string& input) {
@@ -55,23 +45,22 @@ void save_picture(const Frame& frame, const std::string& input, const CommonOpti
 
 void run_view(const ViewArguments& arguments, const CommonOptions& common) {
   require_display();
-  const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads);
-  ElevationInput other;
+  SceneInput input = open_scene(arguments.input, arguments.dem, common), other;
   ViewedTerrains terrains;
   if (!arguments.other.empty()) {
-    other = open_elevations(arguments.other, arguments.dem, common.threads);
-    terrains.offset_m = offset_between(arguments, input, other);
+    other = open_scene(arguments.other, arguments.dem, common);
+    terrains.offset_m = offset_between(input, other);
   }
   SceneOptions options = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, arguments.other.empty() ? 2 : 4);
-  std::unique_ptr<TerrainRenderer> first, second;
+  std::unique_ptr<SceneRenderer> first, second;
   {
     const auto progress = make_progress(common);
-    first = std::make_unique<TerrainRenderer>(*input.source, cell_size(input.geo, input.source->size()), options, *progress);
-    if (other.source) {
+    first = make_renderer(input, input, options, *progress);
+    if (!arguments.other.empty()) {
       // The same height has the same colour in both.
       options.ramp_range_m = {first->facts().ramp_low_m, first->facts().ramp_high_m};
       options.exaggeration = first->facts().exaggeration;
-      second = std::make_unique<TerrainRenderer>(*other.source, cell_size(other.geo, other.source->size()), options, *progress);
+      second = make_renderer(other, input, options, *progress);
     }
   }
   terrains.first = first.get();
@@ -95,10 +84,10 @@ void run_view(const ViewArguments& arguments, const CommonOptions& common) {
 
 void add_view(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   const auto arguments = std::make_shared<ViewArguments>();
-  CLI::App* verb = add_verb(app, "view", "Show a DEM, or two of the same ground, in a window: turn, zoom, fly, swipe",
-                            "arete view dem.tif\narete view truth.tif finer.tif", common, [arguments, common] { run_view(*arguments, *common); });
-  verb->add_option("IN", arguments->input, "The DEM or tree (.sct); H in the window prints its keys")->required();
-  verb->add_option("OTHER", arguments->other, "Another of the same ground: drag the divider, Tab changes how both are shown");
+  CLI::App* verb = add_verb(app, "view", "Show a DEM or a mesh, or two of the same ground, in a window: turn, zoom, fly, swipe",
+                            "arete view dem.tif\narete view truth.tif finer.tif\narete view dem.tif mesh.ply", common, [arguments, common] { run_view(*arguments, *common); });
+  verb->add_option("IN", arguments->input, "The DEM, tree (.sct) or mesh (.ply...); H in the window prints its keys")->required();
+  verb->add_option("OTHER", arguments->other, "Another of the same ground, DEM or mesh: drag the divider, Tab changes how both are shown");
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
   verb->add_option("--exaggeration", arguments->exaggeration, "Heights are multiplied by this at first (default: by the steepness of the terrain)")
       ->check(above_zero());

@@ -8,13 +8,9 @@
 #include <utility>
 #include <vector>
 
-#include <ogr_spatialref.h>
-
 #include "core/support/error.h"
-#include "gis/crs.h"
-#include "gis/gdal_errors.h"
-#include "gis/geodesy.h"
 #include "gis/mesh/mesh_blocks.h"
+#include "gis/mesh/mesh_plane.h"
 #include "gis/mesh/raster_plane.h"
 #include "gis/mesh/triangle_cells.h"
 
@@ -32,50 +28,18 @@ struct Drawing {
   Size cells() const { return {map.width * heights_per_pixel, map.height * heights_per_pixel}; }
 };
 
-/// The CRS that is drawn in.
-std::string drawing_crs(const std::string& wkt) {
-  const GdalErrors quiet;
-  OGRSpatialReference crs;
-  const bool geocentric = !wkt.empty() && crs.importFromWkt(wkt.c_str()) == OGRERR_NONE && crs.IsGeocentric();
-  return geocentric ? crs_wkt("EPSG:4326") : wkt;
-}
-
-/// Where the vertices lie in that CRS.
-MeshBounds drawn_bounds(const MeshSource& mesh, const MeshFrame& frame, const std::string& crs) {
-  GeoReference units;
-  units.transform = {0, 1, 0, 0, 0, -1};
-  units.crs_wkt = crs;
-  const RasterPlane plane(frame, units);
-  std::vector<RasterPoint> placed;
-  std::array<std::int64_t, 4> sides{};  // left, right, top, bottom
-  for_vertex_blocks(mesh, [&](std::int64_t first, std::span<const MeshVertex> vertices) {
-    placed.resize(vertices.size());
-    plane.place(first, vertices, placed);
-    if (first == 0) sides = {placed[0].column, placed[0].column, placed[0].row, placed[0].row};
-    for (const RasterPoint& p : placed)
-      sides = {std::min(sides[0], p.column), std::max(sides[1], p.column), std::min(sides[2], p.row), std::max(sides[3], p.row)};
-  });
-  const auto at = [](std::int64_t units_of_cell) { return static_cast<double>(units_of_cell) / static_cast<double>(cell_units) + 0.5; };
-  return {{at(sides[0]), -at(sides[3]), 0}, {at(sides[1]), -at(sides[2]), 0}};
-}
-
 Drawing plan_drawing(const MeshSource& mesh, const MeshFrame& frame, std::int64_t width) {
-  Drawing drawing;
-  drawing.geo.crs_wkt = drawing_crs(frame.crs_wkt);
-  const MeshBounds bounds = drawn_bounds(mesh, frame, drawing.geo.crs_wkt);
-  const double across = bounds.high.x - bounds.low.x, down = bounds.high.y - bounds.low.y;
-  if (!(across > 0 && down > 0)) throw Error(ErrorKind::input, "the mesh has no extent from west to east and from south to north: there is nothing to draw");
-  // The length of a thousandth at the centre counts for all.
-  constexpr std::int64_t parts = 1001;
-  drawing.geo.transform = {bounds.low.x, across / parts, 0, bounds.high.y, 0, -down / parts};
-  const CellSize part = cell_size(drawing.geo, {parts, parts});
-  const double wide_m = part.x_m * parts, high_m = part.y_m * parts;
+  const MeshPlane plane = mesh_plane(mesh, frame);
+  const double wide_m = plane.cell.x_m * static_cast<double>(plane.size.width), high_m = plane.cell.y_m * static_cast<double>(plane.size.height);
   const double metres = width > 0 ? wide_m / static_cast<double>(width) : std::max(wide_m, high_m) / longest_map;
   const auto pixels = [metres](double length) { return std::max<std::int64_t>(1, std::llround(length / metres)); };
+  Drawing drawing;
   drawing.map = {pixels(wide_m), pixels(high_m)};
   drawing.metres_per_pixel = wide_m / static_cast<double>(drawing.map.width);
   const Size cells = drawing.cells();
-  drawing.geo.transform = {bounds.low.x, across / static_cast<double>(cells.width), 0, bounds.high.y, 0, -down / static_cast<double>(cells.height)};
+  drawing.geo = plane.geo;
+  (*drawing.geo.transform)[1] *= static_cast<double>(plane.size.width) / static_cast<double>(cells.width);
+  (*drawing.geo.transform)[5] *= static_cast<double>(plane.size.height) / static_cast<double>(cells.height);
   return drawing;
 }
 

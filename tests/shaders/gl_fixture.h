@@ -28,7 +28,7 @@ class GlFixture : public testing::Test {
     return std::make_unique<TerrainRenderer>(source, cell, options, progress);
   }
   /// Round the terrain, from close above the ground to far away and high.
-  static Camera camera(const TerrainRenderer& renderer, int i) {
+  static Camera camera(const SceneRenderer& renderer, int i) {
     const Box box = renderer.box();
     const double span = std::hypot(box.high[0] - box.low[0], box.high[1] - box.low[1]);
     const Point3 target = {box.low[0] + (0.2 + 0.15 * (i % 5)) * (box.high[0] - box.low[0]),

@@ -106,6 +106,23 @@ TEST_F(View, TwoTerrainsShareTheWindow) {
   EXPECT_GT(difference(shot(6), shot(5)), 0.1);
 }
 
+TEST_F(View, AMeshLiesOnItsDem) {
+  if (!can_show()) GTEST_SKIP() << missing_;
+  ASSERT_EQ(run("tin " + dem_ + " " + path("mesh.ply") + " --max-error 1 --crs EPSG:4326").code, 0);
+  // The mesh alone, the DEM alone, and half of each.
+  const Outcome outcome = act("dem.tif mesh.ply --json", "shot 1\nxdotool key Tab\nshot 2\nxdotool key Tab\nshot 3\nxdotool key 2\nshot 4\nxdotool key Escape");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  const Picture both = shot(1), dem = shot(2), mesh = shot(3);
+  EXPECT_EQ(difference(both, dem, 0, 0.49), 0);
+  EXPECT_EQ(difference(both, mesh, 0.51, 1), 0);
+  EXPECT_GT(difference(shot(4), mesh), 0.2) << "exaggeration";
+  // The same place to a pixel: outlines against the sky differ nowhere by more.
+  std::int64_t other = 0;
+  for (std::int64_t y = 0; y < dem.height(); ++y)
+    for (std::int64_t x = 0; x < dem.width(); ++x) other += std::abs(dem(x, y)[1] - mesh(x, y)[1]) > 40;
+  EXPECT_LT(static_cast<double>(other), 0.002 * static_cast<double>(dem.width() * dem.height()));
+}
+
 TEST_F(View, ClosesByItselfAndNeverOverwritesAPicture) {
   if (!can_show()) GTEST_SKIP() << missing_;
   write(path("dem-view-1.png"), "mine");
@@ -133,10 +150,13 @@ TEST_F(View, RefusesTerrainsOfDifferentPlaces) {
   DemWriter writer(path("far.tif"), {60, 60}, geo);
   writer.write(0, {0, 0, 60, 60}, cells.view());
   writer.commit();
-  const Outcome outcome = act("dem.tif far.tif", "");
-  EXPECT_EQ(outcome.code, 3);
-  EXPECT_EQ(outcome.error_lines(), 1);
-  EXPECT_NE(outcome.err.find("share no ground"), std::string::npos);
+  ASSERT_EQ(run("tin " + path("far.tif") + " " + path("far.ply") + " --max-error 5").code, 0);
+  for (const char* other : {"far.tif", "far.ply"}) {
+    const Outcome outcome = act(std::string("dem.tif ") + other, "");
+    EXPECT_EQ(outcome.code, 3);
+    EXPECT_EQ(outcome.error_lines(), 1);
+    EXPECT_NE(outcome.err.find("share no ground"), std::string::npos) << outcome.err;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "core/terrain/sky_light.h"
+#include "shaders/camera.h"
+#include "shaders/frame.h"
+#include "shaders/terrain_scene.h"
+
+namespace arete {
+
+/// Sky and sun of a scene (light.glsl) as a texture; the caller deletes it.
+unsigned make_light_texture(const SkyLight& light);
+/// Colours of heights in linear light, grey where there are none; the caller deletes it.
+unsigned make_ramp_texture(std::vector<std::array<std::uint8_t, 3>> colours);
+/// Where the sun stands, the ends of the ramp, and the colours of water and air.
+void set_scene_light(unsigned program, const SceneFacts& facts, const SceneOptions& options);
+
+void set_highlights(unsigned program, Highlights highlights);
+
+/// Nearest and farthest distance of a box.
+std::array<double, 2> distances(const Box& box, const Point3& eye);
+/// Distance ahead at which a picture of the box begins.
+double near_of(const Box& box, const Point3& eye);
+/// Haze over what is seen of a box from an eye.
+void set_haze(unsigned program, const Box& box, const Point3& eye, double haze);
+
+}  // namespace arete
