@@ -30,12 +30,13 @@ void draw_colour_bar(Picture& picture, const Legend& legend, const ColourRamp& r
   const int wanted = static_cast<int>(std::clamp<std::int64_t>(bar.width / (5 * font), 2, 7));
   const std::vector<double> ticks = round_ticks(legend.low, legend.high, wanted);
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1;
-  for (const double tick : ticks) {
+  std::vector<std::pair<double, std::string>> marks = legend.marks;
+  if (marks.empty())
+    for (const double tick : ticks) marks.emplace_back(tick, format_tick(tick, step) + (tick == ticks.back() ? " " + legend.unit : ""));
+  for (const auto& [tick, label] : marks) {
     const double share = legend.high > legend.low ? (tick - legend.low) / (legend.high - legend.low) : 0.5;
     const std::int64_t x = bar.x + std::clamp<std::int64_t>(std::lround(share * static_cast<double>(bar.width)), 0, bar.width - 1);
     fill(picture, {x, bar.y + bar.height, 1, font / 3}, ink);
-    std::string label = format_tick(tick, step);
-    if (tick == ticks.back()) label += " " + legend.unit;
     draw_text(picture, x, bar.y + bar.height + font / 3 + font, label, font, ink, Align::centre);
   }
 }
@@ -83,6 +84,30 @@ Picture hatching(std::int64_t width, std::int64_t height) {
     for (std::int64_t x = 0; x < width; ++x)
       if ((x + y) % 9 < 2) picture(x, y) = {205, 200, 211, 255};
   return picture;
+}
+
+void style_legend(Legend& legend, const GroundStyle& style, double steepest_deg) {
+  const std::string elevations = legend.title.empty() ? "" : " (" + legend.title + ")";
+  if (style.colour == GroundColour::slope) {
+    legend.title = "Slope in degrees" + elevations;
+    legend.low = 0;
+    legend.high = steepest_deg;
+    legend.unit = "deg";
+  } else if (style.colour == GroundColour::aspect) {
+    legend.title = "Direction that the ground faces" + elevations;
+    legend.low = 0;
+    legend.high = 360;
+    legend.marks = {{0, "N"}, {90, "E"}, {180, "S"}, {270, "W"}, {360, "N"}};
+    legend.swatches.push_back({Picture(1, 1, flat_colour()), "flat"});
+  }
+  if (!(style.contour_interval_m > 0)) return;
+  char text[64];
+  std::snprintf(text, sizeof text, "contours every %.10g m", style.contour_interval_m);
+  legend.note += (legend.note.empty() ? "" : "; ") + std::string(text);
+}
+
+ColourRamp ramp_of(GroundColour colour, const ColourRamp& heights) {
+  return colour == GroundColour::slope ? slope_ramp() : colour == GroundColour::aspect ? aspect_ramp() : heights;
 }
 
 Picture draw_legend(const Legend& legend, const ColourRamp& ramp, std::int64_t width) {

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "core/support/parallel.h"
 #include "core/terrain/hillshade.h"
@@ -12,6 +13,7 @@
 #include "core/terrain/slope.h"
 #include "core/terrain/statistics.h"
 #include "gis/colour_ramp.h"
+#include "gis/contour_lines.h"
 #include "gis/legend.h"
 
 namespace arete {
@@ -71,9 +73,11 @@ struct Scale {
   double low_m = 0, high_m = 0;        // of the elevations
   double exaggeration = 1;
   bool voids = false, water = false;
+  double steepest_deg = 90;            // of the colours of slopes
 };
 
-double exaggeration_of(const std::vector<Ground>& grounds) {
+/// The percentile of the slopes of the land, metres per metre; the largest of the grounds.
+double steepness_of(const std::vector<Ground>& grounds, double share) {
   double steepest = 0;
   for (const Ground& ground : grounds) {
     const RasterView<const float> cells = ground.overview.cells.view();
@@ -83,9 +87,9 @@ double exaggeration_of(const std::vector<Ground>& grounds) {
         if (ground.water(x, y)) continue;
         if (const auto g = horn_gradient(cells, x, y, ground.cell)) slopes.push_back(static_cast<float>(std::hypot(g->east, g->north)));
       }
-    if (!slopes.empty()) steepest = std::max(steepest, percentile(slopes, 0.9));
+    if (!slopes.empty()) steepest = std::max(steepest, percentile(slopes, share));
   }
-  return exaggeration_for(steepest, 30, 12);
+  return steepest;
 }
 
 Scale common_scale(const std::vector<Ground>& grounds, double exaggeration) {
@@ -108,7 +112,7 @@ Scale common_scale(const std::vector<Ground>& grounds, double exaggeration) {
   scale.high_m = low <= high ? high : std::nan("");
   scale.low = land.empty() ? scale.low_m : percentile(land, 0.001);
   scale.high = land.empty() ? scale.high_m : percentile(land, 0.999);
-  scale.exaggeration = exaggeration > 0 ? exaggeration : exaggeration_of(grounds);
+  scale.exaggeration = exaggeration > 0 ? exaggeration : exaggeration_for(steepness_of(grounds, 0.9), 30, 12);
   return scale;
 }
 
@@ -163,6 +167,27 @@ Picture paint(const Ground& ground, const Raster<float>& light, double strength,
   return picture;
 }
 
+/// Of a slope or aspect; at the border of the raster as inside. An index is of a cell that is neither void nor water.
+Picture paint_gradients(const Ground& ground, const Scale& scale, const ReliefOptions& options) {
+  const bool slopes = options.style.colour == GroundColour::slope;
+  const ColourRamp ramp = slopes ? slope_ramp() : aspect_ramp();
+  const Colour flat = flat_colour();
+  const RasterView<const float> cells = ground.overview.cells.view();
+  // Light tells less than the colours here.
+  return paint(ground, light_of(ground, scale.exaggeration, options), 0.7, options.threads, [&](std::int64_t i) {
+    if (is_void(cells.data[i])) return void_colour;
+    if (ground.water.data()[i]) return water_colour;
+    const auto gradient = horn_gradient(cells, i % cells.width, i / cells.width, ground.cell);
+    if (!gradient) return flat;
+    const double share = slope_deg(*gradient) / scale.steepest_deg;
+    if (slopes) return ramp.at(share);
+    const double t = std::clamp((share - flat_share) / (facing_share - flat_share), 0.0, 1.0), facing = t * t * (3 - 2 * t);
+    Colour colour = ramp.at(aspect_deg(*gradient) / 360);
+    for (std::size_t c = 0; c < 3; ++c) colour[c] = static_cast<std::uint8_t>(std::lround(flat[c] + facing * (colour[c] - flat[c])));
+    return colour;
+  });
+}
+
 Picture paint_relief(const Ground& ground, const Scale& scale, const ReliefOptions& options) {
   const ColourRamp ramp = named_ramp(options.ramp);
   const double span = scale.high > scale.low ? scale.high - scale.low : 1;
@@ -215,12 +240,13 @@ Legend relief_legend(const Scale& scale, double metres_per_pixel, const ReliefOp
   legend.low = scale.low;
   legend.high = scale.high;
   legend.metres_per_pixel = options.metric ? metres_per_pixel : 0;
+  style_legend(legend, options.style, scale.steepest_deg);
   if (scale.water) legend.swatches.push_back({Picture(1, 1, water_colour), "water"});
   if (scale.voids) legend.swatches.push_back({hatching(40, 20), "no data"});
   char note[80];
   if (scale.exaggeration != 1) {
     std::snprintf(note, sizeof note, "relief exaggerated %g times", scale.exaggeration);
-    legend.note = note;
+    legend.note += (legend.note.empty() ? "" : "; ") + std::string(note);
   }
   return legend;
 }
@@ -240,11 +266,17 @@ Relief draw_relief(const RasterSource& source, CellSize cell, const ReliefOption
   const ColourRamp ramp = named_ramp(options.ramp);
   std::vector<Ground> grounds;
   grounds.push_back(survey(source, cell, layout.pixels, options.threads, progress));
-  const Scale scale = common_scale(grounds, options.exaggeration);
-  Relief relief{finish_map(paint_relief(grounds[0], scale, options), layout.pixels), scale.low_m, scale.high_m, scale.exaggeration,
-                layout.metres_per_pixel};
+  Scale scale = common_scale(grounds, options.exaggeration);
+  ReliefOptions settled = options;
+  settled.style = settle(options.style, scale.high_m - scale.low_m);
+  const GroundStyle& style = settled.style;
+  if (style.colour != GroundColour::height) scale.steepest_deg = slope_scale_deg(std::atan(steepness_of(grounds, 0.99)) * 180 / M_PI);
+  const Picture cells = style.colour == GroundColour::height ? paint_relief(grounds[0], scale, settled) : paint_gradients(grounds[0], scale, settled);
+  Relief relief{finish_map(cells, layout.pixels), scale.low_m, scale.high_m, scale.exaggeration, layout.metres_per_pixel, style.contour_interval_m};
+  if (style.contour_interval_m > 0)
+    draw_contours(relief.picture, grounds[0].overview.cells.view(), std::as_const(grounds[0].water).view(), style.contour_interval_m, options.threads);
   if (options.legend && !find_font().empty())
-    relief.picture = stack(relief.picture, relief_legend(scale, layout.metres_per_pixel, options), ramp);
+    relief.picture = stack(relief.picture, relief_legend(scale, layout.metres_per_pixel, settled), ramp_of(style.colour, ramp));
   return relief;
 }
 

@@ -12,8 +12,14 @@ layout(std430, binding = 0) readonly buffer Tiles { ivec4 tiles[]; };  // by lay
 uniform sampler2DArray shapes;   // height, its change per column and per row, water: smoothed
 uniform sampler2D light;         // sky, sun, over the whole terrain
 uniform vec2 light_scale;        // texture coordinate = (sample + 0.5) * light_scale
-uniform sampler1D ramp;          // colours of heights, linear
+uniform sampler1DArray ramps;     // colours of heights, slopes and aspects, linear
 uniform vec2 ramp_range;         // lowest height and 1 / span
+uniform int coloured;            // 0: heights, 1: slopes, 2: aspects
+uniform float slope_scale;       // 1 / degrees of the end of the colours of slopes
+uniform vec2 facing;             // shares of that end: grey below, all of the colour of aspects above
+uniform vec3 flat_colour;
+uniform float contours;          // 1 / interval in metres; 0: none
+uniform float line_px;           // pixels aside that make one of the picture
 uniform ivec2 eye_sample;
 uniform vec2 eye_part;
 uniform float eye_height;
@@ -33,6 +39,8 @@ layout(location = 0) out vec4 colour;
 
 const uint line_mark = 0x80000000u;
 const vec3 wall_colour = vec3(0.60, 0.56, 0.515), floor_colour = vec3(0.115, 0.112, 0.118), line_colour = vec3(0.02, 0.03, 0.05);
+const vec3 line_ink = vec3(0.055, 0.024, 0.012);
+const float line_opacity = 0.75;
 const vec3 sun_light = vec3(1.12, 1.04, 0.91), sky_light = vec3(0.225, 0.265, 0.345), bounce = vec3(0.05, 0.043, 0.034);
 
 vec3 lit(vec3 albedo, vec3 normal, vec2 open) {
@@ -50,9 +58,35 @@ vec3 sky_colour(vec3 ray) {
   return mix(above, below_colour, smoothstep(0.0, 1.0, -up * 1.2));
 }
 
-vec3 land_colour(float height) { return textureLod(ramp, (height - ramp_range.x) * ramp_range.y, 0.0).rgb; }
+// Slope: rise per metre to the east and to the north, without exaggeration.
+vec3 land_colour(float height, vec2 slope) {
+  if (coloured == 0) return textureLod(ramps, vec2((height - ramp_range.x) * ramp_range.y, 0.0), 0.0).rgb;
+  float steep = degrees(atan(length(slope))) * slope_scale;
+  if (coloured == 1) return textureLod(ramps, vec2(steep, 1.0), 0.0).rgb;
+  float turn = slope == vec2(0.0) ? 0.0 : atan(-slope.x, -slope.y) / radians(360.0);  // downhill, clockwise from north
+  return mix(flat_colour, textureLod(ramps, vec2(fract(turn), 2.0), 0.0).rgb, smoothstep(facing.x, facing.y, steep));
+}
 
-vec3 surface_colour(int layer, int side, vec3 from_eye) {
+// How far away on the plane through a point of the ground the pixels to the right and above see it: east, north. `ahead`: how far ahead the point is.
+mat2 pixel_steps(vec3 from_eye, float ahead, vec3 normal) {
+  vec3 right = (to_ray * vec4(pixel.x, 0.0, 0.0, 0.0)).xyz * ahead, above = (to_ray * vec4(0.0, pixel.y, 0.0, 0.0)).xyz * ahead;
+  float facing_eye = min(dot(normal, from_eye), -0.01 * length(from_eye));
+  return mat2((right - from_eye * (dot(normal, right) / facing_eye)).xy, (above - from_eye * (dot(normal, above) / facing_eye)).xy);
+}
+
+// How much of a pixel a contour covers where the level, 1 from line to line, changes so much from pixel to pixel of the picture.
+float line_share(float level, float change, float width_px) {
+  float apart = abs(level - round(level)) / max(change, 1e-9);
+  return clamp((0.5 * width_px - apart) * line_px + 0.5, 0.0, 1.0) * (1.0 - smoothstep(0.2, 0.4, change));
+}
+
+// Dark lines at the multiples of the interval, every fifth thicker. A little aside: else ground that is level at just a multiple has a line all over it.
+vec3 add_contours(vec3 shade, float height, vec2 slope, mat2 steps) {
+  float level = height * contours + 1.0 / 1024.0, change = length(slope * steps) * contours * line_px;
+  return mix(shade, line_ink, line_opacity * max(line_share(level, change, 1.0), line_share(0.2 * level, 0.2 * change, 1.9)));
+}
+
+vec3 surface_colour(int layer, int side, vec3 from_eye, float ahead) {
   ivec4 tile = tiles[layer];
   vec2 away = eye_part + vec2(from_eye.x, -from_eye.y) / cell;  // samples from eye_sample
   vec2 texel = (vec2(eye_sample - tile.xy) + away) / float(1 << tile.z);
@@ -72,12 +106,16 @@ vec3 surface_colour(int layer, int side, vec3 from_eye) {
       vec3 hue = 0.5 + 0.5 * cos(6.2832 * (float(tile.z) * 0.381966 + vec3(0.0, 0.33, 0.67)));
       shade = lit(mix(vec3(0.75), hue, 0.6), normal, open);
     } else {
-      shade = lit(land_colour(shape.r), normal, open);
+      vec3 land = land_colour(shape.r, slope);
+      shade = lit(land, normal, open);
+      // Slopes and aspects are told by the colours: the light tells less.
+      if (coloured != 0) shade = mix(shade, lit(land, vec3(0, 0, 1), vec2(1.0)), 0.4);
       float wet = smoothstep(0.35, 0.65, shape.a);
       float grazing = 1.0 + clamp(from_eye.z * inversesqrt(dot(from_eye, from_eye)), -1.0, 0.0);
       grazing *= grazing;
       grazing *= grazing;
       vec3 water = mix(lit(water_colour, vec3(0, 0, 1), vec2(1.0)), haze_colour, 0.5 * grazing);
+      if (contours > 0.0) shade = add_contours(shade, shape.r, slope, pixel_steps(from_eye, ahead, normal));
       shade = mix(shade, water, wet);
     }
   }
@@ -90,7 +128,7 @@ vec3 seen_colour(uint number, vec3 ray, float depth) {
   int surface = int((number & ~line_mark) - 1u), side = surface & 7;
   bool line = (number & line_mark) != 0u && side != 5;
   if (line) return line_colour;
-  vec3 shade = surface_colour(surface >> 3, side, from_eye);
+  vec3 shade = surface_colour(surface >> 3, side, from_eye, near / depth);
   // Blue is scattered more than red.
   vec3 clear = exp(-max(length(from_eye) - haze_from, 0.0) * haze * vec3(0.85, 1.0, 1.2));
   return mix(haze_colour, shade, clear);

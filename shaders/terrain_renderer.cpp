@@ -204,6 +204,7 @@ struct TerrainRenderer::Impl {
     make_patches();
     set_ground();
     set_colours();
+    set_style(options.style);
   }
   ~Impl() {
     context.make_current();
@@ -230,15 +231,16 @@ struct TerrainRenderer::Impl {
   }
 
   void make_ramp() {
-    std::vector<std::array<std::uint8_t, 3>> colours = options.ramp;
-    if (colours.empty()) colours = {{200, 198, 194}};
+    constexpr std::size_t count = 1024;
     std::vector<float> table;
-    for (const auto& colour : colours)
-      for (const std::uint8_t value : colour) table.push_back(to_linear(value / 255.0));
-    const auto count = static_cast<GLsizei>(colours.size());
-    glCreateTextures(GL_TEXTURE_1D, 1, &ramp);
-    glTextureStorage1D(ramp, 1, GL_RGB32F, count);
-    glTextureSubImage1D(ramp, 0, 0, count, GL_RGB, GL_FLOAT, table.data());
+    for (auto colours : {options.ramp, options.slope_ramp, options.aspect_ramp}) {
+      if (colours.empty()) colours = {{200, 198, 194}};
+      for (std::size_t i = 0; i < count; ++i)
+        for (const std::uint8_t value : colours[(i * (colours.size() - 1) + count / 2) / (count - 1)]) table.push_back(to_linear(value / 255.0));
+    }
+    glCreateTextures(GL_TEXTURE_1D_ARRAY, 1, &ramp);
+    glTextureStorage2D(ramp, 1, GL_RGB32F, count, 3);
+    glTextureSubImage2D(ramp, 0, 0, 0, count, 3, GL_RGB, GL_FLOAT, table.data());
     glTextureParameteri(ramp, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
     for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(ramp, filter, GL_LINEAR);
   }
@@ -267,7 +269,7 @@ struct TerrainRenderer::Impl {
   }
 
   void set_colours() const {
-    const char* const units[] = {"seen", "depths", "shapes", "light", "ramp"};
+    const char* const units[] = {"seen", "depths", "shapes", "light", "ramps"};
     for (int i = 0; i < 5; ++i) set_int(surface, units[i], i);
     const Overview& overview = scene->overview;
     const std::int64_t columns = overview.across * overview.cells.width(), rows = overview.down * overview.cells.height();
@@ -278,9 +280,18 @@ struct TerrainRenderer::Impl {
     const double level = std::cos(elevation);
     set(surface, "to_sun", Colour3{static_cast<float>(std::sin(azimuth) * level), static_cast<float>(std::cos(azimuth) * level), static_cast<float>(std::sin(elevation))});
     set(surface, "water_colour", water_colour);
+    set(surface, "slope_scale", 1 / scene->facts.steepest_deg);
+    set(surface, "facing", flat_share, facing_share);
+    set(surface, "flat_colour", linear(options.flat_colour[0], options.flat_colour[1], options.flat_colour[2]));
     set(surface, "haze_colour", haze_colour);
     set(surface, "zenith_colour", zenith_colour);
     set(surface, "below_colour", below_colour);
+  }
+
+  void set_style(const GroundStyle& style) {
+    options.style = settle(style, scene->facts.high_m - scene->facts.low_m);
+    set_int(surface, "coloured", static_cast<int>(style.colour));
+    set(surface, "contours", options.style.contour_interval_m > 0 ? 1 / options.style.contour_interval_m : 0);
   }
 
   Box box() const {
@@ -456,6 +467,13 @@ void TerrainRenderer::relight(double exaggeration, double sun_azimuth_deg, doubl
   impl_->set_colours();
 }
 
+void TerrainRenderer::restyle(const GroundStyle& style) {
+  impl_->context.make_current();
+  impl_->set_style(style);
+}
+
+const GroundStyle& TerrainRenderer::style() const { return impl_->options.style; }
+
 std::string TerrainRenderer::driver() const { return impl_->context.description(); }
 
 std::vector<TerrainPatch> TerrainRenderer::select(const Camera& camera, Size picture) const {
@@ -482,6 +500,7 @@ Frame TerrainRenderer::draw(const std::vector<TerrainPatch>& patches, const Came
   const std::int64_t across = side(picture.width), down = side(picture.height);
   const Canvas& canvas = impl_->canvas_of({across * supersampling, down * supersampling});
   impl_->set_camera(camera, mode);
+  set(impl_->surface, "line_px", supersampling);
   std::vector<std::uint16_t> pixels;
   for (std::int64_t y = 0; y < picture.height; y += down)
     for (std::int64_t x = 0; x < picture.width; x += across) {

@@ -16,7 +16,7 @@
 namespace arete {
 
 enum class DrawMode {
-  lit,        ///< colours of heights under sun, sky and haze
+  lit,        ///< colours of heights, slopes or aspects under sun, sky and haze
   wireframe,  ///< the same with the sides of its triangles
   levels,     ///< a colour for each level of the quadtree
   coverage,   ///< white where there is terrain, transparent black elsewhere; as one sample of each pixel shows it
@@ -56,6 +56,11 @@ class TerrainRenderer {
 
   /// Draws from now on with this exaggeration (> 0) and sun. See light_scene for its cost.
   void relight(double exaggeration, double sun_azimuth_deg, double sun_elevation_deg);
+
+  /// Colours the ground so from now on. At once.
+  void restyle(const GroundStyle& style);
+  /// How it is coloured; the interval of contours is a number.
+  const GroundStyle& style() const;
 
   /// A picture of 1 x 1 to 16384 x 16384 pixels; throws Error{usage} beyond.
   Frame draw(const Camera& camera, Size picture, DrawMode mode = DrawMode::lit);

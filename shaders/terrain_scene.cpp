@@ -43,6 +43,7 @@ SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& o
   facts.ramp_high_m = land.empty() ? facts.high_m : percentile(land, 0.999);
   // The steepest tenth of gentle terrain looks like 20 degrees.
   if (!slopes.empty()) facts.exaggeration = exaggeration_for(percentile(slopes, 0.9), 20, 6);
+  if (!slopes.empty()) facts.steepest_deg = slope_scale_deg(std::atan(static_cast<double>(percentile(slopes, 0.99))) * 180 / M_PI);
   return facts;
 }
 

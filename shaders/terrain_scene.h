@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/support/progress.h"
+#include "core/terrain/ground_style.h"
 #include "core/terrain/overview.h"
 #include "core/terrain/raster_io.h"
 #include "core/terrain/sky_light.h"
@@ -18,6 +19,10 @@ namespace arete {
 struct SceneOptions {
   double exaggeration = 0;                         ///< of heights; 0: 1 for mountains, up to 6 for gentle terrain
   std::vector<std::array<std::uint8_t, 3>> ramp;   ///< sRGB colours from the lowest to the highest land; empty: grey
+  std::vector<std::array<std::uint8_t, 3>> slope_ramp;   ///< from flat to the steepest; empty: grey
+  std::vector<std::array<std::uint8_t, 3>> aspect_ramp;  ///< by the direction that ground faces, from north by east to north again; empty: grey
+  std::array<std::uint8_t, 3> flat_colour = {180, 180, 180};  ///< of aspects where the ground is flat
+  GroundStyle style;                               ///< at first
   double sun_azimuth_deg = 315, sun_elevation_deg = 40;
   std::optional<std::array<double, 2>> ramp_range_m;  ///< heights of the ends of the ramp; none: as the facts say
   double haze = 0.15;                              ///< share of the far side's light that is haze, in [0, 1)
@@ -32,6 +37,7 @@ struct SceneOptions {
 struct SceneFacts {
   double low_m = 0, high_m = 0;            ///< lowest and highest valid sample
   double ramp_low_m = 0, ramp_high_m = 0;  ///< ends of the colours: 0.1 and 99.9 % of the land
+  double steepest_deg = 90;                ///< where the colours of slopes end
   double exaggeration = 1;
   bool has_voids = false, has_water = false;
 };

@@ -1,10 +1,48 @@
 #include "tools/drawn_terrain.h"
 
+#include <cstdlib>
 #include <cstring>
 
+#include "core/support/error.h"
 #include "gis/colour_ramp.h"
 
 namespace arete::tools {
+namespace {
+
+std::vector<std::array<std::uint8_t, 3>> table_of(const ColourRamp& ramp) {
+  std::vector<std::array<std::uint8_t, 3>> table;
+  for (int i = 0; i < 1024; ++i) {
+    const Colour colour = ramp.at(i / 1023.0);
+    table.push_back({colour[0], colour[1], colour[2]});
+  }
+  return table;
+}
+
+}  // namespace
+
+std::vector<CLI::Option*> add_ground_options(CLI::App* verb, GroundArguments& arguments) {
+  return {
+      verb->add_option("--colour,--color", arguments.colour, "What colours tell: height (default), slope in degrees, or aspect, the direction that the ground faces")
+          ->check(CLI::IsMember({"height", "slope", "aspect"})),
+      verb->add_option("--contours", arguments.contours, "Draw contours, so many metres apart; alone or with 'auto' at a round interval that suits the relief")
+          ->type_name("METRES")
+          ->expected(0, 1)
+          ->default_str("auto"),
+  };
+}
+
+GroundStyle ground_style(const GroundArguments& arguments) {
+  GroundStyle style;
+  style.colour = arguments.colour == "slope" ? GroundColour::slope : arguments.colour == "aspect" ? GroundColour::aspect : GroundColour::height;
+  if (arguments.contours.empty()) return style;
+  style.contour_interval_m = suitable_interval;
+  if (arguments.contours == "auto") return style;
+  char* end = nullptr;
+  style.contour_interval_m = std::strtod(arguments.contours.c_str(), &end);
+  if (*end != 0 || !(style.contour_interval_m >= 1e-3 && style.contour_interval_m <= 1e4))
+    throw Error(ErrorKind::usage, "--contours takes 'auto' or metres from 0.001 to 10000, not '" + arguments.contours + "'");
+  return style;
+}
 
 SceneOptions scene_options(const std::string& ramp, double exaggeration, double max_error_px, const CommonOptions& common, int share) {
   SceneOptions options;
@@ -12,11 +50,11 @@ SceneOptions scene_options(const std::string& ramp, double exaggeration, double 
   options.threads = common.threads;
   options.memory_bytes = common.memory_bytes / share;
   options.detail.max_error_px = max_error_px;
-  const ColourRamp colours = named_ramp(ramp);
-  for (int i = 0; i < 1024; ++i) {
-    const Colour colour = colours.at(i / 1023.0);
-    options.ramp.push_back({colour[0], colour[1], colour[2]});
-  }
+  options.ramp = table_of(named_ramp(ramp));
+  options.slope_ramp = table_of(slope_ramp());
+  options.aspect_ramp = table_of(aspect_ramp());
+  const Colour flat = flat_colour();
+  options.flat_colour = {flat[0], flat[1], flat[2]};
   return options;
 }
 

@@ -73,16 +73,17 @@ void draw_north(Picture& picture, const Camera& camera) {
   draw_text(picture, std::llround(letter.x), std::llround(letter.y + 0.35 * size), "N", size, dark, Align::centre);
 }
 
-Picture add_legend(const Picture& view, const SceneFacts& facts, const std::string& ramp) {
+Picture add_legend(const Picture& view, const SceneFacts& facts, const GroundStyle& style, const std::string& ramp) {
   Legend legend;
   legend.title = facts.high_m - facts.low_m >= 20 ? fmt::format("Elevation, {:.0f} to {:.0f} m", facts.low_m, facts.high_m)
                                                   : fmt::format("Elevation, {:.2f} to {:.2f} m", facts.low_m, facts.high_m);
   legend.low = facts.ramp_low_m;
   legend.high = facts.ramp_high_m;
+  style_legend(legend, style, facts.steepest_deg);
   if (facts.has_water) legend.swatches.push_back({Picture(1, 1, {168, 199, 220, 255}), "water"});
   if (facts.has_voids) legend.swatches.push_back({Picture(1, 1, {95, 94, 96, 255}), "no data"});
-  if (facts.exaggeration != 1) legend.note = fmt::format("heights exaggerated {:g} times", facts.exaggeration);
-  const Picture strip = draw_legend(legend, named_ramp(ramp), view.width());
+  if (facts.exaggeration != 1) legend.note += fmt::format("{}heights exaggerated {:g} times", legend.note.empty() ? "" : "; ", facts.exaggeration);
+  const Picture strip = draw_legend(legend, ramp_of(style.colour, named_ramp(ramp)), view.width());
   Picture sheet(view.width(), view.height() + strip.height());
   paste(sheet, view, 0, 0);
   paste(sheet, strip, 0, view.height());
@@ -113,6 +114,7 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 2);
   scene.sun_azimuth_deg = arguments.sun_azimuth_deg;
   scene.supersampling = 2;
+  scene.style = ground_style(arguments.ground);
   TerrainRenderer renderer(*input.source, cell_size(input.geo, input.source->size()), scene, *progress);
   const Camera camera = frame_box(renderer.box(), arguments.look_from_deg, arguments.pitch_deg, arguments.field_of_view_deg,
                                   static_cast<double>(size.width) / static_cast<double>(size.height), arguments.distance_m);
@@ -122,7 +124,7 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   if (arguments.legend) {
     draw_north(picture, camera);
     // Levels have colours of their own.
-    if (arguments.mode != "levels" && !find_font().empty()) picture = add_legend(picture, renderer.facts(), arguments.ramp);
+    if (arguments.mode != "levels" && !find_font().empty()) picture = add_legend(picture, renderer.facts(), renderer.style(), arguments.ramp);
   }
   write_picture(arguments.output, picture, common.overwrite);
 
@@ -131,7 +133,7 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
                fmt::format("{}: {} x {} pixels, elevations {:.1f} to {:.1f} m, heights exaggerated {:g} times; {} triangles by {}\n", arguments.output,
                            picture.width(), picture.height(), facts.low_m, facts.high_m, facts.exaggeration, frame.triangles, renderer.driver()),
                {{"picture", arguments.output}, {"width", picture.width()}, {"height", picture.height()}, {"low_m", facts.low_m},
-                {"high_m", facts.high_m}, {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
+                {"high_m", facts.high_m}, {"contour_interval_m", renderer.style().contour_interval_m}, {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
                 {"tiles_loaded", frame.tiles_loaded}, {"camera_m", camera.eye}, {"target_m", camera.target}, {"renderer", renderer.driver()}});
 }
 

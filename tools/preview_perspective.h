@@ -6,6 +6,7 @@
 
 #include "gis/dem_file.h"
 #include "tools/command.h"
+#include "tools/drawn_terrain.h"
 
 namespace arete::tools {
 
@@ -16,6 +17,7 @@ struct PerspectiveArguments {
   double sun_azimuth_deg = 315;
   bool legend = true;
   DemReadOptions dem;
+  GroundArguments ground;
   double look_from_deg = 200, pitch_deg = 35, distance_m = 0, field_of_view_deg = 30;
   std::string size = "1920x1080";
   std::string mode = "lit";

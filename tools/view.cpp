@@ -22,6 +22,7 @@ namespace {
 struct ViewArguments {
   std::string input, other, ramp = "land";
   DemReadOptions dem;
+  GroundArguments ground;
   double exaggeration = 0, look_from_deg = 200, pitch_deg = 35, field_of_view_deg = 30, max_error_px = 2, close_after_s = 0;
 };
 
@@ -63,6 +64,7 @@ void run_view(const ViewArguments& arguments, const CommonOptions& common) {
     terrains.offset_m = offset_between(arguments, input, other);
   }
   SceneOptions options = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, arguments.other.empty() ? 2 : 4);
+  options.style = ground_style(arguments.ground);
   std::unique_ptr<TerrainRenderer> first, second;
   {
     const auto progress = make_progress(common);
@@ -100,6 +102,7 @@ void add_view(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_option("IN", arguments->input, "The DEM or tree (.sct); H in the window prints its keys")->required();
   verb->add_option("OTHER", arguments->other, "Another of the same ground: drag the divider, Tab changes how both are shown");
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
+  add_ground_options(verb, arguments->ground);
   verb->add_option("--exaggeration", arguments->exaggeration, "Heights are multiplied by this at first (default: by the steepness of the terrain)")
       ->check(above_zero());
   verb->add_option("--look-from", arguments->look_from_deg, "The camera stands in this direction at first, degrees clockwise from north (default: 200)")

@@ -53,6 +53,16 @@ TEST_F(PreviewPerspective, EveryStyleIsAPictureOfItsOwn) {
   EXPECT_EQ(bytes.size(), 3u);
 }
 
+TEST_F(PreviewPerspective, ColoursAndContoursMakeAnotherPicture) {
+  std::set<std::string> bytes;
+  for (const char* options : {"", "--colour slope", "--colour aspect", "--contours", "--contours 500", "--colour slope --contours"}) {
+    ASSERT_EQ(draw("s.png", std::string("--no-legend ") + options).code, 0) << options;
+    bytes.insert(read(path("s.png")));
+  }
+  EXPECT_EQ(bytes.size(), 6u);
+  EXPECT_EQ(nlohmann::json::parse(draw("s.png", "--contours 500 --json").out)["contour_interval_m"], 500);
+}
+
 TEST_F(PreviewPerspective, HasTheSameBytesForAnyNumberOfThreads) {
   std::set<std::string> bytes;
   for (const char* threads : {"0", "1", "2"}) {
