@@ -6,6 +6,7 @@
 
 #include "core/terrain/ground_style.h"
 #include "gis/colour_ramp.h"
+#include "gis/drape_picture.h"
 #include "gis/image.h"
 
 namespace arete {
@@ -37,6 +38,12 @@ std::string format_tick(double value, double step);
 /// Turns a legend of heights, its title being about them, into one of what the style shows: slopes from 0 to the steepest or the four directions, in the colours
 /// of ramp_of; and names the interval of contours in the note.
 void style_legend(Legend& legend, const GroundStyle& style, double steepest_deg);
+
+/// Names the raster that lies over the ground. Where it hides all of the ground there is no bar of the ground's colours.
+void drape_legend(Legend& legend, const DrapePicture& drape, const std::string& path);
+
+/// Of the numbers that the raster shows, in viridis; for drape.values.
+Legend value_legend(const DrapePicture& drape, const std::string& path);
 
 /// The colours of what is told; `heights` for heights.
 ColourRamp ramp_of(GroundColour colour, const ColourRamp& heights);

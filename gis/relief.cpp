@@ -14,6 +14,7 @@
 #include "core/terrain/statistics.h"
 #include "gis/colour_ramp.h"
 #include "gis/contour_lines.h"
+#include "gis/drape_picture.h"
 #include "gis/legend.h"
 
 namespace arete {
@@ -261,6 +262,39 @@ Picture stack(const Picture& map, const Legend& legend, const ColourRamp& ramp) 
 
 }  // namespace
 
+namespace {
+
+/// Lays the picture over a map of the whole DEM, under the light of the ground.
+void lay_over(Picture& map, const DrapePicture& drape, const Ground& ground, Size dem, double exaggeration, const ReliefOptions& options) {
+  constexpr int even = 200;
+  const Raster<float> light = light_of(ground, exaggeration, options);
+  const Picture shades = resize_picture(paint(ground, light, 0.5, options.threads, [](std::int64_t) { return Colour{even, even, even, 255}; }), map.width(), map.height());
+  const double across = static_cast<double>(dem.width) / static_cast<double>(map.width()), down = static_cast<double>(dem.height) / static_cast<double>(map.height());
+  const Picture& from = drape.picture;
+  parallel_for(map.height(), options.threads, [&](std::int64_t y) {
+    for (std::int64_t x = 0; x < map.width(); ++x) {
+      const double u = ((static_cast<double>(x) + 0.5) * across - drape.left) / drape.width * static_cast<double>(from.width());
+      const double v = ((static_cast<double>(y) + 0.5) * down - drape.top) / drape.height * static_cast<double>(from.height());
+      if (!(u >= 0 && v >= 0 && u < static_cast<double>(from.width()) && v < static_cast<double>(from.height()))) continue;
+      // Bilinear, of colours times opacity.
+      double sum[4] = {};
+      for (int k = 0; k < 4; ++k) {
+        const double column = std::floor(u - 0.5) + k % 2, row = std::floor(v - 0.5) + k / 2;
+        const double weight = (1 - std::abs(u - 0.5 - column)) * (1 - std::abs(v - 0.5 - row));
+        const Colour& pixel = from(std::clamp<std::int64_t>(static_cast<std::int64_t>(column), 0, from.width() - 1), std::clamp<std::int64_t>(static_cast<std::int64_t>(row), 0, from.height() - 1));
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * pixel[c] * pixel[3] / 255;
+        sum[3] += weight * pixel[3] / 255;
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double shade = static_cast<double>(shades(x, y)[c]) / even;
+        map(x, y)[c] = static_cast<std::uint8_t>(std::clamp(std::lround(sum[c] * shade + map(x, y)[c] * (1 - sum[3])), 0L, 255L));
+      }
+    }
+  });
+}
+
+}  // namespace
+
 Relief draw_relief(const RasterSource& source, CellSize cell, const ReliefOptions& options, Progress& progress) {
   const Layout layout = plan(source.size(), cell, options.width);
   const ColourRamp ramp = named_ramp(options.ramp);
@@ -273,10 +307,19 @@ Relief draw_relief(const RasterSource& source, CellSize cell, const ReliefOption
   if (style.colour != GroundColour::height) scale.steepest_deg = slope_scale_deg(std::atan(steepness_of(grounds, 0.99)) * 180 / M_PI);
   const Picture cells = style.colour == GroundColour::height ? paint_relief(grounds[0], scale, settled) : paint_gradients(grounds[0], scale, settled);
   Relief relief{finish_map(cells, layout.pixels), scale.low_m, scale.high_m, scale.exaggeration, layout.metres_per_pixel, style.contour_interval_m};
+  Legend legend = relief_legend(scale, layout.metres_per_pixel, settled);
+  std::optional<DrapePicture> drape;
+  if (options.cover) {
+    drape = read_drape(options.cover->path, options.cover->dem, {.per_cell = static_cast<double>(layout.pixels.width) / static_cast<double>(source.size().width)});
+    lay_over(relief.picture, *drape, grounds[0], source.size(), scale.exaggeration, options);
+    drape_legend(legend, *drape, options.cover->path);
+  }
   if (style.contour_interval_m > 0)
     draw_contours(relief.picture, grounds[0].overview.cells.view(), std::as_const(grounds[0].water).view(), style.contour_interval_m, options.threads);
   if (options.legend && !find_font().empty())
-    relief.picture = stack(relief.picture, relief_legend(scale, layout.metres_per_pixel, settled), ramp_of(style.colour, ramp));
+    relief.picture = stack(relief.picture, legend, ramp_of(style.colour, ramp));
+  if (options.legend && !find_font().empty() && drape && drape->values)
+    relief.picture = stack(relief.picture, value_legend(*drape, options.cover->path), named_ramp("viridis"));
   return relief;
 }
 

@@ -9,9 +9,16 @@
 #include "core/terrain/ground_style.h"
 #include "core/terrain/overview.h"
 #include "core/terrain/raster_io.h"
+#include "gis/alignment.h"
 #include "gis/image.h"
 
 namespace arete {
+
+/// A raster to be laid over the map of a DEM.
+struct ReliefCover {
+  std::string path;
+  Placed dem;
+};
 
 struct ReliefOptions {
   std::string ramp = "land";             ///< one of ramp_names()
@@ -20,6 +27,7 @@ struct ReliefOptions {
                                          ///< look like 30 degrees, 1 to 12 (1 for mountains)
   std::optional<double> azimuth_deg;     ///< one light from there; nullopt: four lights about the north-west
   GroundStyle style;                     ///< what the colours tell, contours; of draw_relief alone
+  std::optional<ReliefCover> cover;      ///< its picture (read_drape) over the colours, lightly lit; of draw_relief alone
   bool legend = true;                    ///< colour bar, scale bar, signs; needs a font (find_font)
   bool metric = true;                    ///< whether the cell size is known; false leaves the scale bar out
   int threads = 0;                       ///< 0: one per core; the same picture for any number

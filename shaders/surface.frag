@@ -20,6 +20,13 @@ uniform vec2 facing;             // shares of that end: grey below, all of the c
 uniform vec3 flat_colour;
 uniform float contours;          // 1 / interval in metres; 0: none
 uniform float line_px;           // pixels aside that make one of the picture
+uniform bool draped;             // a picture lies over the ground
+uniform sampler2D drape;         // colours times opacity, opacity; an atlas of levels (picture_atlas.h)
+uniform float drape_rows[15];    // where they begin
+uniform int drape_last;          // level
+uniform vec2 drape_size;         // of level 0
+uniform vec2 drape_corner;       // column and row of the DEM where it begins
+uniform vec2 drape_scale;        // pixels per column and row
 uniform ivec2 eye_sample;
 uniform vec2 eye_part;
 uniform float eye_height;
@@ -86,6 +93,34 @@ vec3 add_contours(vec3 shade, float height, vec2 slope, mat2 steps) {
   return mix(shade, line_ink, line_opacity * max(line_share(level, change, 1.0), line_share(0.2 * level, 0.2 * change, 1.9)));
 }
 
+vec4 drape_level(vec2 place, int level) {
+  vec2 at = clamp(place * exp2(-float(level)), vec2(0.5), ceil(drape_size * exp2(-float(level))) - 0.5);
+  at += vec2(level > 0 ? drape_size.x : 0.0, drape_rows[level]);
+  return textureLod(drape, at / vec2(textureSize(drape, 0)), 0.0);
+}
+
+// Trilinear, several times along the longer side of what the pixel sees.
+vec4 drape_colour(vec2 place, mat2 steps) {
+  float a = length(steps[0]), b = length(steps[1]), longer = max(a, b), shorter = max(min(a, b), 1e-6);
+  float count = clamp(ceil(longer / shorter - 0.01), 1.0, 6.0);
+  float level = clamp(log2(max(longer / count, 1e-6)), 0.0, float(drape_last));
+  vec2 along = (a > b ? steps[0] : steps[1]) / count;
+  vec4 sum = vec4(0.0);
+  for (float i = 0.5 - 0.5 * count; i < 0.5 * count; i += 1.0)
+    sum += mix(drape_level(place + i * along, int(level)), drape_level(place + i * along, min(int(level) + 1, drape_last)), fract(level));
+  return sum / count;
+}
+
+// The picture that lies over the ground, lightly lit: it has a light of its own.
+vec3 add_drape(vec3 shade, vec2 at, vec3 normal, vec2 open, mat2 steps) {
+  vec2 place = (at - drape_corner) * drape_scale;
+  if (clamp(place, vec2(0.0), drape_size) != place) return shade;
+  vec2 to_pixels = vec2(1.0, -1.0) / cell * drape_scale;
+  vec4 picture = drape_colour(place, mat2(steps[0] * to_pixels, steps[1] * to_pixels));
+  vec3 light_here = lit(vec3(1.0), normal, open) / lit(vec3(1.0), vec3(0, 0, 1), vec2(1.0));
+  return picture.rgb * mix(vec3(1.0), light_here, 0.4) + shade * (1.0 - picture.a);
+}
+
 vec3 surface_colour(int layer, int side, vec3 from_eye, float ahead) {
   ivec4 tile = tiles[layer];
   vec2 away = eye_part + vec2(from_eye.x, -from_eye.y) / cell;  // samples from eye_sample
@@ -115,8 +150,10 @@ vec3 surface_colour(int layer, int side, vec3 from_eye, float ahead) {
       grazing *= grazing;
       grazing *= grazing;
       vec3 water = mix(lit(water_colour, vec3(0, 0, 1), vec2(1.0)), haze_colour, 0.5 * grazing);
-      if (contours > 0.0) shade = add_contours(shade, shape.r, slope, pixel_steps(from_eye, ahead, normal));
+      mat2 steps = draped || contours > 0.0 ? pixel_steps(from_eye, ahead, normal) : mat2(0.0);
       shade = mix(shade, water, wet);
+      if (draped) shade = add_drape(shade, vec2(eye_sample) + away, normal, open, steps);
+      if (contours > 0.0 && wet < 1.0) shade = mix(add_contours(shade, shape.r, slope, steps), shade, wet);
     }
   }
   return roll_off(shade);

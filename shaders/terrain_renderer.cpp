@@ -12,6 +12,7 @@
 #include "core/support/random.h"
 #include "shaders/gl_context.h"
 #include "shaders/gl_program.h"
+#include "shaders/picture_atlas.h"
 #include "shaders/tile_cache.h"
 
 namespace arete {
@@ -201,6 +202,7 @@ struct TerrainRenderer::Impl {
     surface = link_program({"screen.vert", "surface.frag"});
     make_light();
     make_ramp();
+    make_drape();
     make_patches();
     set_ground();
     set_colours();
@@ -209,8 +211,8 @@ struct TerrainRenderer::Impl {
   ~Impl() {
     context.make_current();
     for (const GLuint program : {whole, holed, capture, surface}) glDeleteProgram(program);
-    const GLuint textures[] = {light, ramp};
-    glDeleteTextures(2, textures);
+    const GLuint textures[] = {light, ramp, drape};
+    glDeleteTextures(3, textures);
     glDeleteBuffers(1, &patch_buffer);
     glDeleteBuffers(1, &tile_buffer);
     glDeleteVertexArrays(2, arrays);
@@ -245,6 +247,28 @@ struct TerrainRenderer::Impl {
     for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(ramp, filter, GL_LINEAR);
   }
 
+  void make_drape() {
+    if (!options.drape) return;
+    const PictureAtlas atlas = make_atlas(*options.drape, options.threads);
+    const auto width = static_cast<GLsizei>(atlas.size.width), height = static_cast<GLsizei>(atlas.size.height);
+    GLint largest = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    if (width > largest || height > largest)
+      throw Error(ErrorKind::input, "the OpenGL driver takes no picture of " + std::to_string(options.drape->size.width) + " x " + std::to_string(options.drape->size.height) +
+                                        " pixels to lay over the ground: its textures have " + std::to_string(largest) + " at most");
+    glCreateTextures(GL_TEXTURE_2D, 1, &drape);
+    glTextureStorage2D(drape, 1, GL_SRGB8_ALPHA8, width, height);
+    glTextureSubImage2D(drape, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, atlas.rgba.data());
+    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(drape, filter, GL_LINEAR);
+    const std::vector<float> rows(atlas.rows.begin(), atlas.rows.end());
+    glProgramUniform1fv(surface, glGetUniformLocation(surface, "drape_rows"), static_cast<GLsizei>(rows.size()), rows.data());
+    set_int(surface, "drape_last", static_cast<int>(rows.size()) - 1);
+    set(surface, "drape_size", static_cast<double>(options.drape->size.width), static_cast<double>(options.drape->size.height));
+    set(surface, "drape_corner", options.drape->left - 0.5, options.drape->top - 0.5);
+    set(surface, "drape_scale", static_cast<double>(options.drape->size.width) / options.drape->width, static_cast<double>(options.drape->size.height) / options.drape->height);
+    options.drape.reset();
+  }
+
   void make_patches() {
     glCreateBuffers(1, &patch_buffer);
     glCreateBuffers(1, &tile_buffer);
@@ -269,8 +293,8 @@ struct TerrainRenderer::Impl {
   }
 
   void set_colours() const {
-    const char* const units[] = {"seen", "depths", "shapes", "light", "ramps"};
-    for (int i = 0; i < 5; ++i) set_int(surface, units[i], i);
+    const char* const units[] = {"seen", "depths", "shapes", "light", "ramps", "drape"};
+    for (int i = 0; i < 6; ++i) set_int(surface, units[i], i);
     const Overview& overview = scene->overview;
     const std::int64_t columns = overview.across * overview.cells.width(), rows = overview.down * overview.cells.height();
     set(surface, "light_scale", 1 / static_cast<double>(columns), 1 / static_cast<double>(rows));
@@ -291,6 +315,7 @@ struct TerrainRenderer::Impl {
   void set_style(const GroundStyle& style) {
     options.style = settle(style, scene->facts.high_m - scene->facts.low_m);
     set_int(surface, "coloured", static_cast<int>(style.colour));
+    set_int(surface, "draped", drape != 0 && style.drape);
     set(surface, "contours", options.style.contour_interval_m > 0 ? 1 / options.style.contour_interval_m : 0);
   }
 
@@ -372,6 +397,7 @@ struct TerrainRenderer::Impl {
     glBindTextureUnit(2, tiles->shapes());
     glBindTextureUnit(3, light);
     glBindTextureUnit(4, ramp);
+    glBindTextureUnit(5, drape);
     glDisable(GL_DEPTH_TEST);
     glUseProgram(surface);
     glBindVertexArray(arrays[1]);
@@ -434,7 +460,7 @@ struct TerrainRenderer::Impl {
   std::unique_ptr<TerrainScene> scene;
   std::unique_ptr<TileCache> tiles;
   std::unique_ptr<Canvas> canvas;
-  GLuint whole = 0, holed = 0, capture = 0, surface = 0, light = 0, ramp = 0, patch_buffer = 0, tile_buffer = 0;
+  GLuint whole = 0, holed = 0, capture = 0, surface = 0, light = 0, ramp = 0, drape = 0, patch_buffer = 0, tile_buffer = 0;
   GLuint arrays[2]{};
 };
 

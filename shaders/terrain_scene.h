@@ -16,6 +16,13 @@
 
 namespace arete {
 
+/// A picture to be laid over the ground.
+struct GroundPicture {
+  Size size;
+  std::vector<std::array<std::uint8_t, 4>> rgba;            ///< sRGB and opacity, row 0 at the top; along rows and columns of the DEM
+  double left = 0, top = 0, width = 1, height = 1;          ///< what it covers, in cells of the DEM from the outer corner of the first
+};
+
 struct SceneOptions {
   double exaggeration = 0;                         ///< of heights; 0: 1 for mountains, up to 6 for gentle terrain
   std::vector<std::array<std::uint8_t, 3>> ramp;   ///< sRGB colours from the lowest to the highest land; empty: grey
@@ -23,6 +30,7 @@ struct SceneOptions {
   std::vector<std::array<std::uint8_t, 3>> aspect_ramp;  ///< by the direction that ground faces, from north by east to north again; empty: grey
   std::array<std::uint8_t, 3> flat_colour = {180, 180, 180};  ///< of aspects where the ground is flat
   GroundStyle style;                               ///< at first
+  std::shared_ptr<const GroundPicture> drape;      ///< shown where it is opaque, lightly lit; none: nothing. Sides up to 8192
   double sun_azimuth_deg = 315, sun_elevation_deg = 40;
   std::optional<std::array<double, 2>> ramp_range_m;  ///< heights of the ends of the ramp; none: as the facts say
   double haze = 0.15;                              ///< share of the far side's light that is haze, in [0, 1)

@@ -163,6 +163,7 @@ bool type_switch(Session& s, char key) {
     case 'c': toggle(DrawMode::levels); return true;
     case 'g': s.scene.style.colour = next_colour(s.scene.style.colour); return true;
     case 'k': std::swap(s.scene.style.contour_interval_m, s.other_interval_m); return true;
+    case 'o': s.scene.style.drape = !s.scene.style.drape; return true;
     case 't': s.timing = !s.timing; return true;
     case 'p': s.wants_picture = true; return true;
     case 'h': case '?': s.wants_keys = true; return true;
@@ -408,7 +409,7 @@ std::string window_keys() {
          "1 2, PageDown PageUp    exaggerate heights less, more\n"
          "L and drag, , .  ; '    move the sun: azimuth, height\n"
          "Z  C                    sides of triangles; colours of levels of detail\n"
-         "G  K                    colours of heights, slopes, aspects; contours\n"
+         "G  K  O                 colours of heights, slopes, aspects; contours; the raster that is draped over them\n"
          "Tab  [ ]                two terrains: side by side, swipe, first, second; move the divider (or drag it)\n"
          "T                       time and triangles of a picture, in the title\n"
          "P, F12                  save the picture\n"

@@ -1,5 +1,7 @@
 #include "tools/drawn_terrain.h"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 
@@ -28,6 +30,8 @@ std::vector<CLI::Option*> add_ground_options(CLI::App* verb, GroundArguments& ar
           ->type_name("METRES")
           ->expected(0, 1)
           ->default_str("auto"),
+      verb->add_option("--drape", arguments.drape, "Lay an orthophoto or another raster over the ground, warped from its own CRS; where it has no data the ground shows")
+          ->type_name("RASTER"),
   };
 }
 
@@ -56,6 +60,20 @@ SceneOptions scene_options(const std::string& ramp, double exaggeration, double 
   const Colour flat = flat_colour();
   options.flat_colour = {flat[0], flat[1], flat[2]};
   return options;
+}
+
+DrapePicture drape_of(const GroundArguments& arguments, const std::string& dem, const GeoReference& geo, Size size, const CommonOptions& common) {
+  // Its pixels, and those of the atlas here and on the GPU, half as many again each: 16 bytes a pixel.
+  const auto longest = static_cast<std::int64_t>(std::sqrt(static_cast<double>(common.memory_bytes) / 16));
+  return read_drape(arguments.drape, {dem, geo, size}, {.longest = std::clamp<std::int64_t>(longest, 256, 8192)});
+}
+
+std::shared_ptr<const GroundPicture> ground_picture(const DrapePicture& drape) {
+  const auto picture = std::make_shared<GroundPicture>();
+  picture->size = {drape.picture.width(), drape.picture.height()};
+  picture->rgba.assign(drape.picture.data(), drape.picture.data() + picture->size.cells());
+  picture->left = drape.left, picture->top = drape.top, picture->width = drape.width, picture->height = drape.height;
+  return picture;
 }
 
 Picture picture_of(const Frame& frame) {

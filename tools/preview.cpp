@@ -84,6 +84,7 @@ PerspectiveArguments perspective_of(const PreviewArguments& arguments) {
 Relief draw_dem(const PreviewArguments& arguments, ReliefOptions options, Progress& progress) {
   const ElevationInput dem = open_elevations(arguments.input, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, options.threads);
   options.metric = dem.geo.transform.has_value();
+  if (!arguments.ground.drape.empty()) options.cover = ReliefCover{arguments.ground.drape, {arguments.input, dem.geo, dem.source->size()}};
   return draw_relief(*dem.source, cell_size(dem.geo, dem.source->size()), options, progress);
 }
 
@@ -125,6 +126,8 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
 
   if (arguments.kind() == perspective) return draw_perspective(perspective_of(arguments), common);
 
+  if (!arguments.ground.drape.empty() && is_mesh_file(arguments.input))
+    throw Error(ErrorKind::usage, "--drape lies over DEMs and trees (.sct), '" + arguments.input + "' is a mesh");
   const auto progress = make_progress(common);
   const Relief relief = is_mesh_file(arguments.input) ? draw_mesh_file(arguments, options, common, *progress) : draw_dem(arguments, options, *progress);
   write_picture(arguments.output, relief.picture, common.overwrite);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <vector>
 
 #include <fmt/format.h>
@@ -73,7 +74,14 @@ void draw_north(Picture& picture, const Camera& camera) {
   draw_text(picture, std::llround(letter.x), std::llround(letter.y + 0.35 * size), "N", size, dark, Align::centre);
 }
 
-Picture add_legend(const Picture& view, const SceneFacts& facts, const GroundStyle& style, const std::string& ramp) {
+Picture stack(const Picture& above, const Picture& below) {
+  Picture sheet(above.width(), above.height() + below.height());
+  paste(sheet, above, 0, 0);
+  paste(sheet, below, 0, above.height());
+  return sheet;
+}
+
+Picture add_legend(const Picture& view, const SceneFacts& facts, const GroundStyle& style, const std::string& ramp, const DrapePicture* drape, const std::string& path) {
   Legend legend;
   legend.title = facts.high_m - facts.low_m >= 20 ? fmt::format("Elevation, {:.0f} to {:.0f} m", facts.low_m, facts.high_m)
                                                   : fmt::format("Elevation, {:.2f} to {:.2f} m", facts.low_m, facts.high_m);
@@ -83,10 +91,9 @@ Picture add_legend(const Picture& view, const SceneFacts& facts, const GroundSty
   if (facts.has_water) legend.swatches.push_back({Picture(1, 1, {168, 199, 220, 255}), "water"});
   if (facts.has_voids) legend.swatches.push_back({Picture(1, 1, {95, 94, 96, 255}), "no data"});
   if (facts.exaggeration != 1) legend.note += fmt::format("{}heights exaggerated {:g} times", legend.note.empty() ? "" : "; ", facts.exaggeration);
-  const Picture strip = draw_legend(legend, ramp_of(style.colour, named_ramp(ramp)), view.width());
-  Picture sheet(view.width(), view.height() + strip.height());
-  paste(sheet, view, 0, 0);
-  paste(sheet, strip, 0, view.height());
+  if (drape != nullptr) drape_legend(legend, *drape, path);
+  Picture sheet = stack(view, draw_legend(legend, ramp_of(style.colour, named_ramp(ramp)), view.width()));
+  if (drape != nullptr && drape->values) sheet = stack(sheet, draw_legend(value_legend(*drape, path), named_ramp("viridis"), view.width()));
   return sheet;
 }
 
@@ -115,6 +122,12 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   scene.sun_azimuth_deg = arguments.sun_azimuth_deg;
   scene.supersampling = 2;
   scene.style = ground_style(arguments.ground);
+  std::optional<DrapePicture> drape;
+  if (!arguments.ground.drape.empty()) {
+    drape = drape_of(arguments.ground, arguments.input, input.geo, input.source->size(), common);
+    scene.drape = ground_picture(*drape);
+    drape->picture = Picture();
+  }
   TerrainRenderer renderer(*input.source, cell_size(input.geo, input.source->size()), scene, *progress);
   const Camera camera = frame_box(renderer.box(), arguments.look_from_deg, arguments.pitch_deg, arguments.field_of_view_deg,
                                   static_cast<double>(size.width) / static_cast<double>(size.height), arguments.distance_m);
@@ -124,7 +137,7 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   if (arguments.legend) {
     draw_north(picture, camera);
     // Levels have colours of their own.
-    if (arguments.mode != "levels" && !find_font().empty()) picture = add_legend(picture, renderer.facts(), renderer.style(), arguments.ramp);
+    if (arguments.mode != "levels" && !find_font().empty()) picture = add_legend(picture, renderer.facts(), renderer.style(), arguments.ramp, drape ? &*drape : nullptr, arguments.ground.drape);
   }
   write_picture(arguments.output, picture, common.overwrite);
 

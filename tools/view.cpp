@@ -68,11 +68,16 @@ void run_view(const ViewArguments& arguments, const CommonOptions& common) {
   std::unique_ptr<TerrainRenderer> first, second;
   {
     const auto progress = make_progress(common);
+    const auto lay_over = [&](const std::string& name, const ElevationInput& dem) {
+      if (!arguments.ground.drape.empty()) options.drape = ground_picture(drape_of(arguments.ground, name, dem.geo, dem.source->size(), common));
+    };
+    lay_over(arguments.input, input);
     first = std::make_unique<TerrainRenderer>(*input.source, cell_size(input.geo, input.source->size()), options, *progress);
     if (other.source) {
       // The same height has the same colour in both.
       options.ramp_range_m = {first->facts().ramp_low_m, first->facts().ramp_high_m};
       options.exaggeration = first->facts().exaggeration;
+      lay_over(arguments.other, other);
       second = std::make_unique<TerrainRenderer>(*other.source, cell_size(other.geo, other.source->size()), options, *progress);
     }
   }

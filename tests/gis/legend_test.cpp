@@ -70,7 +70,7 @@ TEST(StyleLegend, TellsWhatTheColoursAndLinesAre) {
   Legend legend;
   legend.title = "Elevation, 0 to 900 m";
   style_legend(legend, {.colour = GroundColour::slope, .contour_interval_m = 50}, 45);
-  EXPECT_EQ(legend.title, "Slope in degrees (Elevation, 0 to 900 m)");
+  EXPECT_EQ(legend.title, "Slope in degrees (elevation 0 to 900 m)");
   EXPECT_EQ(legend.high, 45);
   EXPECT_EQ(legend.note, "contours every 50 m");
   Legend directions;
