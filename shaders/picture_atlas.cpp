@@ -4,22 +4,19 @@
 #include <cmath>
 
 #include "core/support/parallel.h"
+#include "shaders/srgb.h"
 
 namespace arete {
 namespace {
 
 constexpr int fine = 65535;
 
-// IEC 61966-2-1
-double to_linear(double v) { return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4); }
-double from_linear(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
-
 struct Tables {
   std::array<double, 256> linear;
   std::vector<std::uint8_t> srgb;
   Tables() : srgb(fine + 1) {
-    for (std::size_t i = 0; i < 256; ++i) linear[i] = to_linear(static_cast<double>(i) / 255);
-    for (std::size_t i = 0; i <= fine; ++i) srgb[i] = static_cast<std::uint8_t>(std::lround(255 * from_linear(static_cast<double>(i) / fine)));
+    for (std::size_t i = 0; i < 256; ++i) linear[i] = srgb_to_linear(static_cast<double>(i) / 255);
+    for (std::size_t i = 0; i <= fine; ++i) srgb[i] = static_cast<std::uint8_t>(std::lround(255 * linear_to_srgb(static_cast<double>(i) / fine)));
   }
   std::uint8_t encode(double v) const { return srgb[static_cast<std::size_t>(v * fine + 0.5)]; }
 };

@@ -118,7 +118,7 @@ vec3 add_drape(vec3 shade, vec2 at, vec3 normal, vec2 open, mat2 steps) {
   vec2 to_pixels = vec2(1.0, -1.0) / cell * drape_scale;
   vec4 picture = drape_colour(place, mat2(steps[0] * to_pixels, steps[1] * to_pixels));
   vec3 light_here = lit(vec3(1.0), normal, open) / lit(vec3(1.0), vec3(0, 0, 1), vec2(1.0));
-  return picture.rgb * mix(vec3(1.0), light_here, 0.4) + shade * (1.0 - picture.a);
+  return picture.rgb * mix(vec3(1.0), light_here, 0.5) + shade * (1.0 - picture.a);
 }
 
 vec3 surface_colour(int layer, int side, vec3 from_eye, float ahead) {

@@ -12,7 +12,8 @@
 #include "core/support/random.h"
 #include "shaders/gl_context.h"
 #include "shaders/gl_program.h"
-#include "shaders/picture_atlas.h"
+#include "shaders/ground_textures.h"
+#include "shaders/srgb.h"
 #include "shaders/tile_cache.h"
 
 namespace arete {
@@ -26,8 +27,7 @@ constexpr GLsizei patch_vertices = 4;
 
 using Colour3 = std::array<float, 3>;
 
-float to_linear(double v) { return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)); }  // IEC 61966-2-1
-double from_linear(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }
+float to_linear(double v) { return static_cast<float>(srgb_to_linear(v)); }
 Colour3 linear(int r, int g, int b) { return {to_linear(r / 255.0), to_linear(g / 255.0), to_linear(b / 255.0)}; }
 
 const Colour3 haze_colour = linear(222, 231, 240), zenith_colour = linear(104, 150, 202), below_colour = linear(247, 246, 243),
@@ -127,7 +127,7 @@ std::vector<float> tabulate(const Function& f) {
   return table;
 }
 
-float srgb_of(double linear) { return static_cast<float>(255 * from_linear(std::clamp(linear, 0.0, 1.0))); }
+float srgb_of(double linear) { return static_cast<float>(255 * linear_to_srgb(std::clamp(linear, 0.0, 1.0))); }
 
 /// Averages pixels of linear light and writes them as sRGB of 8 bits, with noise of one step against banding.
 void develop(const std::vector<std::uint16_t>& pixels, std::int64_t rows, int supersampling, const PicturePart& part, int threads, Frame& frame) {
@@ -201,8 +201,9 @@ struct TerrainRenderer::Impl {
     capture = link_program({"terrain.vert", "terrain.tesc", "terrain.tese"}, {"sample_height"});
     surface = link_program({"screen.vert", "surface.frag"});
     make_light();
-    make_ramp();
-    make_drape();
+    ramp = make_ramp_texture(options);
+    if (options.drape) drape = make_drape_texture(*options.drape, surface, options.threads);
+    options.drape.reset();
     make_patches();
     set_ground();
     set_colours();
@@ -230,43 +231,6 @@ struct TerrainRenderer::Impl {
     glTextureSubImage2D(light, 0, 0, 0, width, height, GL_RG, GL_FLOAT, both.data());
     for (const GLenum wrap : {GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_T}) glTextureParameteri(light, wrap, GL_CLAMP_TO_EDGE);
     for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(light, filter, GL_LINEAR);
-  }
-
-  void make_ramp() {
-    constexpr std::size_t count = 1024;
-    std::vector<float> table;
-    for (auto colours : {options.ramp, options.slope_ramp, options.aspect_ramp}) {
-      if (colours.empty()) colours = {{200, 198, 194}};
-      for (std::size_t i = 0; i < count; ++i)
-        for (const std::uint8_t value : colours[(i * (colours.size() - 1) + count / 2) / (count - 1)]) table.push_back(to_linear(value / 255.0));
-    }
-    glCreateTextures(GL_TEXTURE_1D_ARRAY, 1, &ramp);
-    glTextureStorage2D(ramp, 1, GL_RGB32F, count, 3);
-    glTextureSubImage2D(ramp, 0, 0, 0, count, 3, GL_RGB, GL_FLOAT, table.data());
-    glTextureParameteri(ramp, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(ramp, filter, GL_LINEAR);
-  }
-
-  void make_drape() {
-    if (!options.drape) return;
-    const PictureAtlas atlas = make_atlas(*options.drape, options.threads);
-    const auto width = static_cast<GLsizei>(atlas.size.width), height = static_cast<GLsizei>(atlas.size.height);
-    GLint largest = 0;
-    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
-    if (width > largest || height > largest)
-      throw Error(ErrorKind::input, "the OpenGL driver takes no picture of " + std::to_string(options.drape->size.width) + " x " + std::to_string(options.drape->size.height) +
-                                        " pixels to lay over the ground: its textures have " + std::to_string(largest) + " at most");
-    glCreateTextures(GL_TEXTURE_2D, 1, &drape);
-    glTextureStorage2D(drape, 1, GL_SRGB8_ALPHA8, width, height);
-    glTextureSubImage2D(drape, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, atlas.rgba.data());
-    for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(drape, filter, GL_LINEAR);
-    const std::vector<float> rows(atlas.rows.begin(), atlas.rows.end());
-    glProgramUniform1fv(surface, glGetUniformLocation(surface, "drape_rows"), static_cast<GLsizei>(rows.size()), rows.data());
-    set_int(surface, "drape_last", static_cast<int>(rows.size()) - 1);
-    set(surface, "drape_size", static_cast<double>(options.drape->size.width), static_cast<double>(options.drape->size.height));
-    set(surface, "drape_corner", options.drape->left - 0.5, options.drape->top - 0.5);
-    set(surface, "drape_scale", static_cast<double>(options.drape->size.width) / options.drape->width, static_cast<double>(options.drape->size.height) / options.drape->height);
-    options.drape.reset();
   }
 
   void make_patches() {
