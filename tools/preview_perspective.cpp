@@ -116,6 +116,8 @@ std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArg
 
 void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common) {
   const Size size = parse_size(arguments.size);
+  if (const GroundArguments& ground = arguments.ground; arguments.mode == "levels" && (ground.colour != "height" || !ground.contours.empty() || !ground.drape.empty()))
+    throw Error(ErrorKind::usage, "--style levels has colours of its own: leave out --colour, --contours and --drape");
   const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads);
   const auto progress = make_progress(common);
   SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 2);

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include <gdal_utils.h>
 #include <gdal_priv.h>
@@ -70,6 +71,28 @@ TEST(DrawRelief, FlatGroundIsGreyWhereAspectsAreColoured) {
   const Colour grey = picture(picture.width() * 45 / 100, picture.height() * 45 / 100);
   EXPECT_EQ(grey[0], grey[1]);
   EXPECT_EQ(grey[1], grey[2]);
+}
+
+TEST(DrawRelief, ARasterLiesOverTheMapWhereItHasData) {
+  const Raster<float> cells = hills(600, 520);
+  const std::string file = testing::TempDir() + "/arete_cover.png";
+  // Of the proportions of the map: red, from its middle on transparent.
+  Picture cover(300, 260, {230, 20, 20, 255});
+  fill(cover, {150, 0, 150, 260}, {0, 0, 0, 0});
+  write_picture(file, cover, true);
+  const Picture plain = relief_of(cells).picture;
+  ReliefOptions options;
+  options.cover = ReliefCover{file, {"hills", {}, {600, 520}}};
+  const Picture covered = relief_of(cells, options).picture;
+  options.threads = 1;
+  const Picture again = relief_of(cells, options).picture;
+  std::filesystem::remove(file);
+  for (std::int64_t y = 0; y < 520; ++y)
+    for (std::int64_t x = 0; x < 600; ++x) {
+      ASSERT_EQ(covered(x, y), again(x, y));
+      if (x < 298) { ASSERT_GT(covered(x, y)[0], 2 * covered(x, y)[1]) << x << ", " << y; }
+      if (x > 301) { ASSERT_EQ(covered(x, y), plain(x, y)) << x << ", " << y; }
+    }
 }
 
 TEST(DrawRelief, PixelsAreSquareOnTheGround) {

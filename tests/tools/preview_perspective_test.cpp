@@ -119,7 +119,7 @@ TEST_F(PreviewPerspective, ATreeLooksLikeItsDem) {
 
 TEST_F(PreviewPerspective, RefusesInOneLineAndWritesNothing) {
   const std::size_t before = entries();
-  for (const char* options : {"--size 10x10", "--size 320", "--size 20000x100", "--pitch 0", "--fov 0", "--style blue", "--distance -1"}) {
+  for (const char* options : {"--size 10x10", "--size 320", "--size 20000x100", "--pitch 0", "--fov 0", "--style blue", "--distance -1", "--style levels --contours"}) {
     const Outcome outcome = draw("no.png", options);
     EXPECT_EQ(outcome.code, 2) << options;
     EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
