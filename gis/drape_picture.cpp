@@ -1,5 +1,11 @@
 #include "gis/drape_picture.h"
 
+#include <cpl_string.h>
+#include <gdal_alg.h>
+#include <gdal_priv.h>
+#include <gdal_utils.h>
+#include <ogr_spatialref.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -7,12 +13,6 @@
 #include <string>
 #include <utility>
 #include <vector>
-
-#include <cpl_string.h>
-#include <gdal_alg.h>
-#include <gdal_priv.h>
-#include <gdal_utils.h>
-#include <ogr_spatialref.h>
 
 #include "core/support/error.h"
 #include "core/terrain/statistics.h"
@@ -69,11 +69,13 @@ Raw open_bands(const std::string& path, const Placed& dem) {
       how.AddString(std::to_string(alpha).c_str());
     }
   }
-  const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> options(GDALTranslateOptionsNew(how.List(), nullptr), GDALTranslateOptionsFree);
+  const std::unique_ptr<GDALTranslateOptions, void (*)(GDALTranslateOptions*)> options(
+      GDALTranslateOptionsNew(how.List(), nullptr), GDALTranslateOptionsFree);
   raw.bands.reset(GDALDataset::FromHandle(GDALTranslate("", GDALDataset::ToHandle(raw.file.get()), options.get(), nullptr)));
   if (!raw.bands) fail(path, dem, "its bands cannot be read" + errors.suffix());
   double transform[6];
-  raw.georeferenced = raw.file->GetGeoTransform(transform) == CE_None || raw.file->GetGCPCount() > 0 || raw.file->GetMetadata("RPC") != nullptr;
+  raw.georeferenced =
+      raw.file->GetGeoTransform(transform) == CE_None || raw.file->GetGCPCount() > 0 || raw.file->GetMetadata("RPC") != nullptr;
   return raw;
 }
 
@@ -84,8 +86,10 @@ std::array<double, 2> stretch(const Raw& raw) {
   std::vector<std::uint8_t> mask(cells.size());
   for (int b = 1; b <= raw.colours; ++b) {
     GDALRasterBand* band = raw.bands->GetRasterBand(b);
-    if (band->RasterIO(GF_Read, 0, 0, band->GetXSize(), band->GetYSize(), cells.data(), width, height, GDT_Float32, 0, 0, nullptr) != CE_None ||
-        band->GetMaskBand()->RasterIO(GF_Read, 0, 0, band->GetXSize(), band->GetYSize(), mask.data(), width, height, GDT_Byte, 0, 0, nullptr) != CE_None)
+    if (band->RasterIO(GF_Read, 0, 0, band->GetXSize(), band->GetYSize(), cells.data(), width, height, GDT_Float32, 0, 0,
+                       nullptr) != CE_None ||
+        band->GetMaskBand()->RasterIO(GF_Read, 0, 0, band->GetXSize(), band->GetYSize(), mask.data(), width, height, GDT_Byte, 0,
+                                      0, nullptr) != CE_None)
       return {0, 1};
     for (std::size_t i = 0; i < cells.size(); ++i)
       if (mask[i] != 0 && std::isfinite(cells[i])) values.push_back(cells[i]);
@@ -123,14 +127,16 @@ class ToCells {
     double z = 0;
     int good = 0;
     GDALGenImgProjTransform(argument_, FALSE, 1, &x, &y, &z, &good);
-    return good && std::isfinite(x) && std::isfinite(y) ? std::array<double, 2>{x, y} : std::array<double, 2>{std::nan(""), std::nan("")};
+    return good && std::isfinite(x) && std::isfinite(y) ? std::array<double, 2>{x, y}
+                                                        : std::array<double, 2>{std::nan(""), std::nan("")};
   }
 
  private:
   void* argument_ = nullptr;
 };
 
-Plan plan_picture(const std::string& path, Raw& raw, const Placed& dem, const std::string& crs, const DrapeLimits& limits, Plan plan) {
+Plan plan_picture(const std::string& path, Raw& raw, const Placed& dem, const std::string& crs, const DrapeLimits& limits,
+                  Plan plan) {
   const GdalErrors errors;
   const ToCells to_cells(*raw.bands, plan.transform, crs);
   if (!to_cells.known()) fail(path, dem, "their coordinate systems cannot be related" + errors.suffix());
@@ -148,7 +154,8 @@ Plan plan_picture(const std::string& path, Raw& raw, const Placed& dem, const st
       }
       west = std::min(west, p[0]), east = std::max(east, p[0]), north = std::min(north, p[1]), south = std::max(south, p[1]);
       // Pixels per cell along the columns and rows of the DEM: the inverse of the derivatives.
-      const double a = (across[0] - p[0]) / step_x, b = (down[0] - p[0]) / step_y, c = (across[1] - p[1]) / step_x, d = (down[1] - p[1]) / step_y;
+      const double a = (across[0] - p[0]) / step_x, b = (down[0] - p[0]) / step_y, c = (across[1] - p[1]) / step_x,
+                   d = (down[1] - p[1]) / step_y;
       const double determinant = std::abs(a * d - b * c);
       const bool inside = p[0] > -0.5 * static_cast<double>(dem.size.width) && p[0] < 1.5 * static_cast<double>(dem.size.width) &&
                           p[1] > -0.5 * static_cast<double>(dem.size.height) && p[1] < 1.5 * static_cast<double>(dem.size.height);
@@ -157,13 +164,16 @@ Plan plan_picture(const std::string& path, Raw& raw, const Placed& dem, const st
         finest_y = std::max(finest_y, std::hypot(a, b) / determinant);
       }
     }
-  if (whole || !(west < east)) west = north = 0, east = static_cast<double>(dem.size.width), south = static_cast<double>(dem.size.height);
+  if (whole || !(west < east))
+    west = north = 0, east = static_cast<double>(dem.size.width), south = static_cast<double>(dem.size.height);
   plan.left = std::max(0.0, west), plan.top = std::max(0.0, north);
   plan.width = std::min(static_cast<double>(dem.size.width), east) - plan.left;
   plan.height = std::min(static_cast<double>(dem.size.height), south) - plan.top;
   if (!(plan.width > 0 && plan.height > 0)) fail(path, dem, "they share no ground");
-  const double per_column = std::min(finest_x > 0 ? finest_x : 1, limits.per_cell), per_row = std::min(finest_y > 0 ? finest_y : 1, limits.per_cell);
-  const double longest = static_cast<double>(limits.longest), shrink = std::min({1.0, longest / (plan.width * per_column), longest / (plan.height * per_row)});
+  const double per_column = std::min(finest_x > 0 ? finest_x : 1, limits.per_cell),
+               per_row = std::min(finest_y > 0 ? finest_y : 1, limits.per_cell);
+  const double longest = static_cast<double>(limits.longest),
+               shrink = std::min({1.0, longest / (plan.width * per_column), longest / (plan.height * per_row)});
   const auto pixels = [&](double cells) { return static_cast<int>(std::clamp(std::ceil(cells * shrink - 1e-6), 1.0, longest)); };
   plan.columns = pixels(plan.width * per_column);
   plan.rows = pixels(plan.height * per_row);
@@ -171,14 +181,17 @@ Plan plan_picture(const std::string& path, Raw& raw, const Placed& dem, const st
 }
 
 /// Rows [first, first + rows) of the picture: colours and opacity, in bands of a dataset in memory.
-GDALDatasetUniquePtr warp_strip(const std::string& path, Raw& raw, const Placed& dem, const std::string& crs, const Plan& plan, int first, int rows) {
+GDALDatasetUniquePtr warp_strip(const std::string& path, Raw& raw, const Placed& dem, const std::string& crs, const Plan& plan,
+                                int first, int rows) {
   const GdalErrors errors;
   GDALDriver* memory = GetGDALDriverManager()->GetDriverByName("MEM");
-  GDALDatasetUniquePtr strip(memory->Create("", plan.columns, rows, raw.colours + 1, raw.bytes ? GDT_Byte : GDT_Float32, nullptr));
+  GDALDatasetUniquePtr strip(
+      memory->Create("", plan.columns, rows, raw.colours + 1, raw.bytes ? GDT_Byte : GDT_Float32, nullptr));
   if (!strip) throw Error(ErrorKind::memory, "not enough memory for a strip of '" + path + "'");
   const double across = plan.width / plan.columns, down = plan.height / plan.rows, top = plan.top + first * down;
   const auto& t = plan.transform;
-  double transform[6] = {t[0] + plan.left * t[1] + top * t[2], across * t[1], down * t[2], t[3] + plan.left * t[4] + top * t[5], across * t[4], down * t[5]};
+  double transform[6] = {t[0] + plan.left * t[1] + top * t[2], across * t[1], down * t[2],
+                         t[3] + plan.left * t[4] + top * t[5], across * t[4], down * t[5]};
   strip->SetGeoTransform(transform);
   strip->GetRasterBand(raw.colours + 1)->SetColorInterpretation(GCI_AlphaBand);
   CPLStringList how;
@@ -192,10 +205,12 @@ GDALDatasetUniquePtr warp_strip(const std::string& path, Raw& raw, const Placed&
     how.AddString("-t_srs");
     how.AddString(to.c_str());
   }
-  const std::unique_ptr<GDALWarpAppOptions, void (*)(GDALWarpAppOptions*)> options(GDALWarpAppOptionsNew(how.List(), nullptr), GDALWarpAppOptionsFree);
+  const std::unique_ptr<GDALWarpAppOptions, void (*)(GDALWarpAppOptions*)> options(GDALWarpAppOptionsNew(how.List(), nullptr),
+                                                                                   GDALWarpAppOptionsFree);
   GDALDatasetH from = GDALDataset::ToHandle(raw.bands.get());
   int wrong = 0;
-  if (GDALWarp(nullptr, GDALDataset::ToHandle(strip.get()), 1, &from, options.get(), &wrong) == nullptr || wrong != 0 || errors.failed())
+  if (GDALWarp(nullptr, GDALDataset::ToHandle(strip.get()), 1, &from, options.get(), &wrong) == nullptr || wrong != 0 ||
+      errors.failed())
     fail(path, dem, "it cannot be warped" + errors.suffix());
   return strip;
 }
@@ -209,7 +224,8 @@ DrapePicture read_drape(const std::string& path, const Placed& dem, const DrapeL
   if (dem.geo.transform && raw.georeferenced) {
     plan.transform = *dem.geo.transform;
   } else {
-    const double wide = static_cast<double>(dem.size.width) / raw.bands->GetRasterXSize(), high = static_cast<double>(dem.size.height) / raw.bands->GetRasterYSize();
+    const double wide = static_cast<double>(dem.size.width) / raw.bands->GetRasterXSize(),
+                 high = static_cast<double>(dem.size.height) / raw.bands->GetRasterYSize();
     if (!(std::abs(wide / high - 1) <= 0.01)) fail(path, dem, "one has no georeference, and their proportions differ");
     plan.transform = {0, 1, 0, 0, 0, 1};
     double transform[6] = {0, wide, 0, 0, 0, high};
@@ -219,7 +235,15 @@ DrapePicture read_drape(const std::string& path, const Placed& dem, const DrapeL
   }
   plan = plan_picture(path, raw, dem, crs, limits, plan);
 
-  DrapePicture drape{Picture(plan.columns, plan.rows, {0, 0, 0, 0}), plan.left, plan.top, plan.width, plan.height, false, raw.colours == 1 && !raw.bytes, 0, 255};
+  DrapePicture drape{Picture(plan.columns, plan.rows, {0, 0, 0, 0}),
+                     plan.left,
+                     plan.top,
+                     plan.width,
+                     plan.height,
+                     false,
+                     raw.colours == 1 && !raw.bytes,
+                     0,
+                     255};
   if (!raw.bytes) {
     const auto [low, high] = stretch(raw);
     drape.low = low, drape.high = high;
@@ -232,7 +256,8 @@ DrapePicture read_drape(const std::string& path, const Placed& dem, const DrapeL
     const GDALDatasetUniquePtr strip = warp_strip(path, raw, dem, crs, plan, first, rows);
     for (int y = 0; y < rows; ++y) {
       const auto pixel_bytes = static_cast<GSpacing>(sizeof(float)) * (raw.colours + 1);
-      if (strip->RasterIO(GF_Read, 0, y, plan.columns, 1, line.data(), plan.columns, 1, GDT_Float32, raw.colours + 1, nullptr, pixel_bytes, 0, sizeof(float), nullptr) != CE_None)
+      if (strip->RasterIO(GF_Read, 0, y, plan.columns, 1, line.data(), plan.columns, 1, GDT_Float32, raw.colours + 1, nullptr,
+                          pixel_bytes, 0, sizeof(float), nullptr) != CE_None)
         fail(path, dem, "it cannot be warped");
       for (int x = 0; x < plan.columns; ++x) {
         const float* values = &line[static_cast<std::size_t>(x) * static_cast<std::size_t>(raw.colours + 1)];
@@ -244,7 +269,9 @@ DrapePicture read_drape(const std::string& path, const Placed& dem, const DrapeL
           if (std::isnan(values[0])) continue;
           pixel = ramp.at(share(0));
         } else {
-          for (int c = 0; c < 3; ++c) pixel[static_cast<std::size_t>(c)] = static_cast<std::uint8_t>(std::lround(255 * std::clamp(share(raw.colours == 3 ? c : 0), 0.0, 1.0)));
+          for (int c = 0; c < 3; ++c)
+            pixel[static_cast<std::size_t>(c)] =
+                static_cast<std::uint8_t>(std::lround(255 * std::clamp(share(raw.colours == 3 ? c : 0), 0.0, 1.0)));
         }
         pixel[3] = static_cast<std::uint8_t>(std::lround(std::min(opacity, 255.0f)));
         ++shown;

@@ -168,7 +168,7 @@ Picture paint(const Ground& ground, const Raster<float>& light, double strength,
   return picture;
 }
 
-/// Of a slope or aspect; at the border of the raster as inside. An index is of a cell that is neither void nor water.
+/// Slopes or aspects by their colours.
 Picture paint_gradients(const Ground& ground, const Scale& scale, const ReliefOptions& options) {
   const bool slopes = options.style.colour == GroundColour::slope;
   const ColourRamp ramp = slopes ? slope_ramp() : aspect_ramp();
@@ -281,7 +281,8 @@ void lay_over(Picture& map, const DrapePicture& drape, const Ground& ground, Siz
       for (int k = 0; k < 4; ++k) {
         const double column = std::floor(u - 0.5) + k % 2, row = std::floor(v - 0.5) + k / 2;
         const double weight = (1 - std::abs(u - 0.5 - column)) * (1 - std::abs(v - 0.5 - row));
-        const Colour& pixel = from(std::clamp<std::int64_t>(static_cast<std::int64_t>(column), 0, from.width() - 1), std::clamp<std::int64_t>(static_cast<std::int64_t>(row), 0, from.height() - 1));
+        const Colour& pixel = from(std::clamp<std::int64_t>(static_cast<std::int64_t>(column), 0, from.width() - 1),
+                                   std::clamp<std::int64_t>(static_cast<std::int64_t>(row), 0, from.height() - 1));
         for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * pixel[c] * pixel[3] / 255;
         sum[3] += weight * pixel[3] / 255;
       }

@@ -46,7 +46,8 @@ struct Relief {
 /// raster is area-averaged as it is read (memory: the map, not the raster); a small one is magnified by a whole factor until
 /// its longest side has up to 1024 pixels, every cell a sharp square. Void cells are hatched. Water - cells at or below 0 m
 /// whose neighbours all have exactly the same height, and cells of that height beside them - is blue. The colours span the 0.1 to
-/// 99.9 % percentiles of the land. In their place slopes (Horn's, of the cells that are drawn) or aspects may be coloured, and contours drawn. `cell`: metric size of a cell of the source.
+/// 99.9 % percentiles of the land. In their place slopes (Horn's, of the cells that are drawn) or aspects may be coloured, contours drawn
+/// and a raster laid over all. `cell`: metric size of a cell of the source.
 Relief draw_relief(const RasterSource& source, CellSize cell, const ReliefOptions& options, Progress& progress);
 
 /// One map of several that show the same ground.

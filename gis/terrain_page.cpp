@@ -112,7 +112,8 @@ void write_terrain_page(const std::string& path, const TerrainPage& page, bool o
   assert(page.terrains.size() == 1 || page.terrains.size() == 2);
   StagedFiles files(path, overwrite);
   nlohmann::json data = {{"terrains", nlohmann::json::array()}, {"ramp", nlohmann::json::array()}, {"low", page.low_m}, {"high", page.high_m},
-                         {"exaggeration", page.exaggeration}, {"metric", page.metric}, {"interval", page_interval(page.terrains)}, {"credit", page.credit}, {"version", ARETE_VERSION}};
+                         {"exaggeration", page.exaggeration}, {"metric", page.metric}, {"interval", page_interval(page.terrains)},
+                         {"credit", page.credit}, {"version", ARETE_VERSION}};
   for (const Colour& colour : page.ramp) data["ramp"].push_back(css_colour(colour));
   std::string elements;
   for (std::size_t i = 0; i < page.terrains.size(); ++i) {

@@ -1,9 +1,9 @@
 #include "shaders/ground_textures.h"
 
+#include <epoxy/gl.h>
+
 #include <string>
 #include <vector>
-
-#include <epoxy/gl.h>
 
 #include "core/support/error.h"
 #include "shaders/picture_atlas.h"
@@ -17,7 +17,8 @@ unsigned make_ramp_texture(const SceneOptions& options) {
   for (auto colours : {options.ramp, options.slope_ramp, options.aspect_ramp}) {
     if (colours.empty()) colours = {{200, 198, 194}};
     for (std::size_t i = 0; i < count; ++i)
-      for (const std::uint8_t value : colours[(i * (colours.size() - 1) + count / 2) / (count - 1)]) table.push_back(static_cast<float>(srgb_to_linear(value / 255.0)));
+      for (const std::uint8_t value : colours[(i * (colours.size() - 1) + count / 2) / (count - 1)])
+        table.push_back(static_cast<float>(srgb_to_linear(value / 255.0)));
   }
   GLuint ramps = 0;
   glCreateTextures(GL_TEXTURE_1D_ARRAY, 1, &ramps);
@@ -34,15 +35,18 @@ unsigned make_drape_texture(const GroundPicture& picture, unsigned program, int 
   GLint largest = 0;
   glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
   if (width > largest || height > largest)
-    throw Error(ErrorKind::input, "the OpenGL driver takes no picture of " + std::to_string(picture.size.width) + " x " + std::to_string(picture.size.height) +
-                                      " pixels to lay over the ground: its textures have " + std::to_string(largest) + " at most");
+    throw Error(ErrorKind::input, "the OpenGL driver takes no picture of " + std::to_string(picture.size.width) + " x " +
+                                      std::to_string(picture.size.height) + " pixels to lay over the ground: its textures have " +
+                                      std::to_string(largest) + " at most");
   GLuint drape = 0;
   glCreateTextures(GL_TEXTURE_2D, 1, &drape);
   glTextureStorage2D(drape, 1, GL_SRGB8_ALPHA8, width, height);
   glTextureSubImage2D(drape, 0, 0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, atlas.rgba.data());
   for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(drape, filter, GL_LINEAR);
 
-  const auto set = [&](const char* name, double x, double y) { glProgramUniform2f(program, glGetUniformLocation(program, name), static_cast<float>(x), static_cast<float>(y)); };
+  const auto set = [&](const char* name, double x, double y) {
+    glProgramUniform2f(program, glGetUniformLocation(program, name), static_cast<float>(x), static_cast<float>(y));
+  };
   const std::vector<float> rows(atlas.rows.begin(), atlas.rows.end());
   glProgramUniform1fv(program, glGetUniformLocation(program, "drape_rows"), static_cast<GLsizei>(rows.size()), rows.data());
   glProgramUniform1i(program, glGetUniformLocation(program, "drape_last"), static_cast<GLint>(rows.size()) - 1);

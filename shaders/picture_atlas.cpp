@@ -16,7 +16,8 @@ struct Tables {
   std::vector<std::uint8_t> srgb;
   Tables() : srgb(fine + 1) {
     for (std::size_t i = 0; i < 256; ++i) linear[i] = srgb_to_linear(static_cast<double>(i) / 255);
-    for (std::size_t i = 0; i <= fine; ++i) srgb[i] = static_cast<std::uint8_t>(std::lround(255 * linear_to_srgb(static_cast<double>(i) / fine)));
+    for (std::size_t i = 0; i <= fine; ++i)
+      srgb[i] = static_cast<std::uint8_t>(std::lround(255 * linear_to_srgb(static_cast<double>(i) / fine)));
   }
   std::uint8_t encode(double v) const { return srgb[static_cast<std::size_t>(v * fine + 0.5)]; }
 };
@@ -36,7 +37,8 @@ PictureAtlas make_atlas(const GroundPicture& picture, int threads) {
   if (sizes.size() > 1) atlas.size = {sizes[0].width + sizes[1].width, std::max(sizes[0].height, below)};
   atlas.rgba.resize(static_cast<std::size_t>(atlas.size.cells()));
   const auto at = [&](std::size_t level, std::int64_t x, std::int64_t y) -> std::array<std::uint8_t, 4>& {
-    return atlas.rgba[static_cast<std::size_t>((atlas.rows[level] + y) * atlas.size.width + (level > 0 ? sizes[0].width : 0) + x)];
+    return atlas
+        .rgba[static_cast<std::size_t>((atlas.rows[level] + y) * atlas.size.width + (level > 0 ? sizes[0].width : 0) + x)];
   };
   parallel_for(sizes[0].height, threads, [&](std::int64_t y) {
     for (std::int64_t x = 0; x < sizes[0].width; ++x) {

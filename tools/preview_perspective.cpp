@@ -139,7 +139,8 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   if (arguments.legend) {
     draw_north(picture, camera);
     // Levels have colours of their own.
-    if (arguments.mode != "levels" && !find_font().empty()) picture = add_legend(picture, renderer.facts(), renderer.style(), arguments.ramp, drape ? &*drape : nullptr, arguments.ground.drape);
+    if (arguments.mode != "levels" && !find_font().empty())
+      picture = add_legend(picture, renderer.facts(), renderer.style(), arguments.ramp, drape ? &*drape : nullptr, arguments.ground.drape);
   }
   write_picture(arguments.output, picture, common.overwrite);
 
@@ -148,7 +149,8 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
                fmt::format("{}: {} x {} pixels, elevations {:.1f} to {:.1f} m, heights exaggerated {:g} times; {} triangles by {}\n", arguments.output,
                            picture.width(), picture.height(), facts.low_m, facts.high_m, facts.exaggeration, frame.triangles, renderer.driver()),
                {{"picture", arguments.output}, {"width", picture.width()}, {"height", picture.height()}, {"low_m", facts.low_m},
-                {"high_m", facts.high_m}, {"contour_interval_m", renderer.style().contour_interval_m}, {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
+                {"high_m", facts.high_m}, {"contour_interval_m", renderer.style().contour_interval_m},
+                {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
                 {"tiles_loaded", frame.tiles_loaded}, {"camera_m", camera.eye}, {"target_m", camera.target}, {"renderer", renderer.driver()}});
 }
 

@@ -1,8 +1,8 @@
 #include "gis/contour_lines.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace arete {
 namespace {
@@ -31,11 +31,16 @@ TEST(DrawContours, DarkPixelsLieAtTheMultiplesOfTheInterval) {
     const double change = std::hypot(2, 1) / static_cast<double>(scale);  // metres from pixel to pixel
     for (std::int64_t y = scale; y < map.height() - scale; ++y)
       for (std::int64_t x = scale; x < map.width() - scale; ++x) {
-        const double column = (static_cast<double>(x) + 0.5) / static_cast<double>(scale) - 0.5, row = (static_cast<double>(y) + 0.5) / static_cast<double>(scale) - 0.5;
+        const double column = (static_cast<double>(x) + 0.5) / static_cast<double>(scale) - 0.5,
+                     row = (static_cast<double>(y) + 0.5) / static_cast<double>(scale) - 0.5;
         const double height = 101 + 2 * column + row, pixels = std::abs(height - 40 * std::round(height / 40)) / change;
         const bool fifth = std::abs(std::remainder(40 * std::round(height / 40), 200)) < 1;
-        if (pixels > (fifth ? 1.55 : 1.1)) { ASSERT_EQ(map(x, y), paper) << x << ", " << y; }
-        if (pixels < (fifth ? 0.4 : 0.05)) { ASSERT_LT(map(x, y)[0], 155) << x << ", " << y; }
+        if (pixels > (fifth ? 1.55 : 1.1)) {
+          ASSERT_EQ(map(x, y), paper) << x << ", " << y;
+        }
+        if (pixels < (fifth ? 0.4 : 0.05)) {
+          ASSERT_LT(map(x, y)[0], 155) << x << ", " << y;
+        }
       }
   }
 }
@@ -67,15 +72,20 @@ TEST(DrawContours, LevelGroundWaterAndVoidsHaveNone) {
   Raster<std::uint8_t> bare(60, 60, 0);
   for (std::int64_t y = 20; y < 40; ++y)
     for (std::int64_t x = 0; x < 60; ++x) {
-      if (x < 20) cells(x, y) = 120;
-      else if (x < 40) cells(x, y) = void_value;
-      else bare(x, y) = 1;
+      if (x < 20)
+        cells(x, y) = 120;
+      else if (x < 40)
+        cells(x, y) = void_value;
+      else
+        bare(x, y) = 1;
     }
   Picture map(60, 60, paper);
   draw_contours(map, cells.view(), bare.view(), 20);
   for (std::int64_t y = 21; y < 39; ++y)
     for (std::int64_t x = 0; x < 60; ++x)
-      if (x != 19 && x != 20 && x != 39 && x != 40) { ASSERT_EQ(map(x, y), paper) << x << ", " << y; }
+      if (x != 19 && x != 20 && x != 39 && x != 40) {
+        ASSERT_EQ(map(x, y), paper) << x << ", " << y;
+      }
   std::int64_t dark = 0;
   for (std::int64_t i = 0; i < 60 * 60; ++i) dark += map.data()[i][0] < 200;
   EXPECT_GT(dark, 60);

@@ -32,11 +32,14 @@ class GroundStyleOnTheGround : public GlFixture {
     Raster<float> cells(side, side);
     for (std::int64_t y = 0; y < side; ++y)
       for (std::int64_t x = 0; x < side; ++x)
-        cells(x, y) = static_cast<float>(5000 - rise * cell_m * std::hypot(static_cast<double>(x - side / 2), static_cast<double>(y - side / 2)));
+        cells(x, y) = static_cast<float>(
+            5000 - rise * cell_m * std::hypot(static_cast<double>(x - side / 2), static_cast<double>(y - side / 2)));
     return cells;
   }
   static Camera above(const TerrainRenderer& renderer) { return frame_box(renderer.box(), 180, 90, 4, 1); }
-  static const std::uint8_t* pixel(const Frame& frame, std::int64_t x, std::int64_t y) { return &frame.rgba[static_cast<std::size_t>(4 * (y * frame.size.width + x))]; }
+  static const std::uint8_t* pixel(const Frame& frame, std::int64_t x, std::int64_t y) {
+    return &frame.rgba[static_cast<std::size_t>(4 * (y * frame.size.width + x))];
+  }
   /// Where the ramp is at that pixel: light scales red and green alike (in linear light).
   static double position(const Frame& frame, std::int64_t x, std::int64_t y) {
     const auto linear = [](std::uint8_t v) { return std::pow(v / 255.0, 2.2); };
@@ -56,7 +59,8 @@ TEST_F(GroundStyleOnTheGround, SlopesOfAConeHaveOneColour) {
   const Frame frame = renderer->draw(above(*renderer), {200, 200});
   for (int degrees = 0; degrees < 360; degrees += 15)
     for (const double radius : {30.0, 60.0, 85.0}) {
-      const auto x = std::llround(100 + radius * std::sin(degrees * M_PI / 180)), y = std::llround(100 - radius * std::cos(degrees * M_PI / 180));
+      const auto x = std::llround(100 + radius * std::sin(degrees * M_PI / 180)),
+                 y = std::llround(100 - radius * std::cos(degrees * M_PI / 180));
       EXPECT_NEAR(position(frame, x, y), 30.0 / 45, 0.03) << degrees << ", " << radius;
     }
 }
@@ -68,7 +72,8 @@ TEST_F(GroundStyleOnTheGround, AspectsOfAConeGoRoundWithTheCompass) {
   renderer->restyle({.colour = GroundColour::aspect});
   const Frame frame = renderer->draw(above(*renderer), {200, 200});
   for (int degrees = 30; degrees <= 330; degrees += 15) {
-    const auto x = std::llround(100 + 60 * std::sin(degrees * M_PI / 180)), y = std::llround(100 - 60 * std::cos(degrees * M_PI / 180));
+    const auto x = std::llround(100 + 60 * std::sin(degrees * M_PI / 180)),
+               y = std::llround(100 - 60 * std::cos(degrees * M_PI / 180));
     EXPECT_NEAR(position(frame, x, y), degrees / 360.0, 0.03) << degrees;
   }
 }

@@ -8,7 +8,8 @@ namespace {
 using Pixel = std::array<std::uint8_t, 4>;
 
 Pixel at(const PictureAtlas& atlas, const GroundPicture& picture, std::size_t level, std::int64_t x, std::int64_t y) {
-  return atlas.rgba[static_cast<std::size_t>((atlas.rows[level] + y) * atlas.size.width + (level > 0 ? picture.size.width : 0) + x)];
+  return atlas
+      .rgba[static_cast<std::size_t>((atlas.rows[level] + y) * atlas.size.width + (level > 0 ? picture.size.width : 0) + x)];
 }
 
 TEST(PictureAtlas, HoldsMeansInLinearLightDownToOnePixel) {
@@ -19,7 +20,8 @@ TEST(PictureAtlas, HoldsMeansInLinearLightDownToOnePixel) {
   EXPECT_EQ(atlas.size, (Size{9, 6}));
   EXPECT_EQ(at(atlas, picture, 0, 4, 2), (Pixel{255, 255, 255, 255}));
   // Half of the light is 188 in sRGB.
-  for (std::size_t level = 1; level < 4; ++level) EXPECT_EQ(at(atlas, picture, level, 0, 0), (Pixel{188, 188, 188, 255})) << level;
+  for (std::size_t level = 1; level < 4; ++level)
+    EXPECT_EQ(at(atlas, picture, level, 0, 0), (Pixel{188, 188, 188, 255})) << level;
   EXPECT_EQ(make_atlas(picture, 3).rgba, atlas.rgba);
 }
 
@@ -40,7 +42,8 @@ TEST_F(DrapedTerrain, EdgesLieWhereThePictureSaysAndTransparentPixelsShowTheGrou
   // Columns 20 to 60 of the DEM, rows 10 to 90: red, from column 50 on blue, below row 70 nothing.
   auto picture = std::make_shared<GroundPicture>(GroundPicture{{80, 160}, {}, 20, 10, 40, 80});
   for (std::int64_t y = 0; y < 160; ++y)
-    for (std::int64_t x = 0; x < 80; ++x) picture->rgba.push_back(y >= 120 ? Pixel{255, 255, 255, 0} : x < 60 ? Pixel{230, 20, 20, 255} : Pixel{20, 20, 230, 255});
+    for (std::int64_t x = 0; x < 80; ++x)
+      picture->rgba.push_back(y >= 120 ? Pixel{255, 255, 255, 0} : x < 60 ? Pixel{230, 20, 20, 255} : Pixel{20, 20, 230, 255});
   SceneOptions options;
   options.walls = false;
   options.haze = 0;
@@ -63,8 +66,14 @@ TEST_F(DrapedTerrain, EdgesLieWhereThePictureSaysAndTransparentPixelsShowTheGrou
         for (std::size_t c = 0; c < 3; ++c) ASSERT_EQ(with.rgba[i + c], without.rgba[i + c]) << x << ", " << y;
         ++ground;
       } else if (column > 20 + near && column < 60 - near && row > 10 + near && row < 70 - near) {
-        if (column < 50 - near) { ASSERT_GT(with.rgba[i], with.rgba[i + 2] + 120) << x << ", " << y; ++red; }
-        if (column > 50 + near) { ASSERT_GT(with.rgba[i + 2], with.rgba[i] + 120) << x << ", " << y; ++blue; }
+        if (column < 50 - near) {
+          ASSERT_GT(with.rgba[i], with.rgba[i + 2] + 120) << x << ", " << y;
+          ++red;
+        }
+        if (column > 50 + near) {
+          ASSERT_GT(with.rgba[i + 2], with.rgba[i] + 120) << x << ", " << y;
+          ++blue;
+        }
       }
     }
   EXPECT_GT(red, 10000);
@@ -80,7 +89,8 @@ TEST_F(DrapedTerrain, AFinePatternFarAwayIsItsMeanWithoutSeams) {
     for (std::int64_t x = 0; x < 400; ++x) hills(x, y) = static_cast<float>(40 * std::sin(static_cast<double>(x) / 15) + 1000);
   const ViewSource source(hills.view());
   auto picture = std::make_shared<GroundPicture>(GroundPicture{{800, 800}, {}, 0, 0, 400, 400});
-  for (std::int64_t i = 0; i < 800 * 800; ++i) picture->rgba.push_back((i + i / 800) % 2 == 0 ? Pixel{255, 40, 40, 255} : Pixel{40, 255, 40, 255});
+  for (std::int64_t i = 0; i < 800 * 800; ++i)
+    picture->rgba.push_back((i + i / 800) % 2 == 0 ? Pixel{255, 40, 40, 255} : Pixel{40, 255, 40, 255});
   SceneOptions options;
   options.walls = false;
   options.haze = 0;
@@ -93,7 +103,8 @@ TEST_F(DrapedTerrain, AFinePatternFarAwayIsItsMeanWithoutSeams) {
   for (std::size_t i = 0; i < frame.rgba.size(); i += 4) {
     const auto x = i / 4 % 240;
     if (x == 0 || x == 239 || covered.rgba[i] == 0 || covered.rgba[i - 4] == 0 || covered.rgba[i + 4] == 0) continue;
-    if (i < 4 * 240 || i + 4 * 240 >= frame.rgba.size() || covered.rgba[i - 4 * 240] == 0 || covered.rgba[i + 4 * 240] == 0) continue;
+    if (i < 4 * 240 || i + 4 * 240 >= frame.rgba.size() || covered.rgba[i - 4 * 240] == 0 || covered.rgba[i + 4 * 240] == 0)
+      continue;
     ++seen;
     ASSERT_NEAR(frame.rgba[i], frame.rgba[i + 1], 16) << i / 4 % 240 << ", " << i / 960;
   }

@@ -1,8 +1,8 @@
 #include "core/terrain/ground_style.h"
 
-#include <cmath>
-
 #include <gtest/gtest.h>
+
+#include <cmath>
 
 namespace arete {
 namespace {
