@@ -67,6 +67,7 @@ std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize
   scene->pyramid = std::make_unique<SamplePyramid>(source, scene->overview, options.memory_bytes / 4 * 3, options.threads, progress);
   scene->facts = survey(*scene->pyramid, cell, scene->overview);
   if (options.exaggeration > 0) scene->facts.exaggeration = options.exaggeration;
+  if (options.steepest_deg) scene->facts.steepest_deg = *options.steepest_deg;
   if (options.ramp_range_m) scene->facts.ramp_low_m = (*options.ramp_range_m)[0], scene->facts.ramp_high_m = (*options.ramp_range_m)[1];
   scene->tree = build_quadtree(*scene->pyramid, options.threads, progress);
   scene->placement = {cell, scene->facts.exaggeration, 0, options.walls, options.walls && scene->facts.has_voids};

@@ -32,6 +32,7 @@ struct SceneOptions {
   GroundStyle style;                               ///< at first
   std::shared_ptr<const GroundPicture> drape;      ///< shown where it is opaque, lightly lit; none: nothing. Sides up to 8192
   double sun_azimuth_deg = 315, sun_elevation_deg = 40;
+  std::optional<double> steepest_deg;                 ///< where the colours of slopes end; none: as the facts say
   std::optional<std::array<double, 2>> ramp_range_m;  ///< heights of the ends of the ramp; none: as the facts say
   double haze = 0.15;                              ///< share of the far side's light that is haze, in [0, 1)
   bool walls = true;                               ///< the terrain is a block that stands on its walls

@@ -131,6 +131,7 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
     drape->picture = Picture();
   }
   TerrainRenderer renderer(*input.source, cell_size(input.geo, input.source->size()), scene, *progress);
+  scene.drape.reset();  // it is on the GPU
   const Camera camera = frame_box(renderer.box(), arguments.look_from_deg, arguments.pitch_deg, arguments.field_of_view_deg,
                                   static_cast<double>(size.width) / static_cast<double>(size.height), arguments.distance_m);
   const Frame frame = renderer.draw(camera, size, mode_of(arguments.mode));

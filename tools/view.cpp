@@ -74,13 +74,15 @@ void run_view(const ViewArguments& arguments, const CommonOptions& common) {
     lay_over(arguments.input, input);
     first = std::make_unique<TerrainRenderer>(*input.source, cell_size(input.geo, input.source->size()), options, *progress);
     if (other.source) {
-      // The same height has the same colour in both.
+      // The same height, or slope, has the same colour in both.
+      options.steepest_deg = first->facts().steepest_deg;
       options.ramp_range_m = {first->facts().ramp_low_m, first->facts().ramp_high_m};
       options.exaggeration = first->facts().exaggeration;
       lay_over(arguments.other, other);
       second = std::make_unique<TerrainRenderer>(*other.source, cell_size(other.geo, other.source->size()), options, *progress);
     }
   }
+  options.drape.reset();  // it is on the GPU
   terrains.first = first.get();
   terrains.second = second.get();
 

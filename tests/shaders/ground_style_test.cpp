@@ -65,6 +65,16 @@ TEST_F(GroundStyleOnTheGround, SlopesOfAConeHaveOneColour) {
     }
 }
 
+TEST_F(GroundStyleOnTheGround, TheScaleOfSlopesMayBeGiven) {
+  const Raster<float> cells = cone(std::tan(30 * M_PI / 180));
+  const ViewSource source(cells.view());
+  SceneOptions given = options();
+  given.steepest_deg = 90;
+  const auto renderer = render(source, given, {cell_m, cell_m});
+  renderer->restyle({.colour = GroundColour::slope});
+  EXPECT_NEAR(position(renderer->draw(above(*renderer), {200, 200}), 140, 100), 30.0 / 90, 0.03);
+}
+
 TEST_F(GroundStyleOnTheGround, AspectsOfAConeGoRoundWithTheCompass) {
   const Raster<float> cells = cone(0.4);
   const ViewSource source(cells.view());
