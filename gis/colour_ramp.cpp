@@ -47,6 +47,9 @@ Colour parse(const std::string& hex) {
           static_cast<std::uint8_t>(value & 255), 255};
 }
 
+// The largest chroma of which all hues of that lightness are within sRGB is about 0.12.
+constexpr double aspect_lightness = 0.77, aspect_chroma = 0.095, north_hue_deg = 250;
+
 double distance(const Lab& a, const Lab& b) { return std::hypot(a[0] - b[0], a[1] - b[1], a[2] - b[2]); }
 
 struct NamedRamp {
@@ -112,6 +115,19 @@ ColourRamp named_ramp(const std::string& name) {
 ColourRamp difference_ramp() {
   return ColourRamp({"#0f3b73", "#2f79b5", "#8bbfdb", "#f5f4f2", "#ee9f80", "#c8433f", "#70101f"});
 }
+
+ColourRamp slope_ramp() { return ColourRamp({"#f8f6ee", "#f6e3a1", "#f0b45f", "#dd7148", "#b03a55", "#6f2561", "#321548"}); }
+
+ColourRamp aspect_ramp() {
+  ColourRamp ramp;
+  for (int i = 0; i < 1024; ++i) {
+    const double hue = north_hue_deg * M_PI / 180 - 2 * M_PI * i / 1023;
+    ramp.table_.push_back(from_oklab({aspect_lightness, aspect_chroma * std::cos(hue), aspect_chroma * std::sin(hue)}));
+  }
+  return ramp;
+}
+
+Colour flat_colour() { return from_oklab({aspect_lightness, 0, 0}); }
 
 double lightness(Colour colour) { return to_oklab(colour)[0]; }
 

@@ -17,6 +17,8 @@ class ColourRamp {
   Colour at(double position) const;
 
  private:
+  friend ColourRamp aspect_ramp();
+  ColourRamp() = default;
   std::vector<Colour> table_;
 };
 
@@ -28,6 +30,16 @@ ColourRamp named_ramp(const std::string& name);
 
 /// For signed differences: blue below zero, near white at zero (position 0.5), red above. Of the shape of ColorBrewer's RdBu.
 ColourRamp difference_ramp();
+
+/// For slopes: pale where flat, over yellow and red to a dark violet where steepest; darkens all the way.
+ColourRamp slope_ramp();
+
+/// For the compass direction that ground faces: position is degrees from north, clockwise, over 360. Cyclic: blue in the north, green in the east, orange in the
+/// south, rose in the west, all of the same lightness (Oklab) and saturation.
+ColourRamp aspect_ramp();
+
+/// Of ground that faces nowhere: grey of the lightness of aspect_ramp().
+Colour flat_colour();
 
 /// Lightness L of Oklab in [0, 1].
 double lightness(Colour colour);

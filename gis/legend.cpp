@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
+#include <string_view>
 
 namespace arete {
 namespace {
@@ -30,12 +32,13 @@ void draw_colour_bar(Picture& picture, const Legend& legend, const ColourRamp& r
   const int wanted = static_cast<int>(std::clamp<std::int64_t>(bar.width / (5 * font), 2, 7));
   const std::vector<double> ticks = round_ticks(legend.low, legend.high, wanted);
   const double step = ticks.size() > 1 ? ticks[1] - ticks[0] : 1;
-  for (const double tick : ticks) {
+  std::vector<std::pair<double, std::string>> marks = legend.marks;
+  if (marks.empty())
+    for (const double tick : ticks) marks.emplace_back(tick, format_tick(tick, step) + (tick == ticks.back() && !legend.unit.empty() ? " " + legend.unit : ""));
+  for (const auto& [tick, label] : marks) {
     const double share = legend.high > legend.low ? (tick - legend.low) / (legend.high - legend.low) : 0.5;
     const std::int64_t x = bar.x + std::clamp<std::int64_t>(std::lround(share * static_cast<double>(bar.width)), 0, bar.width - 1);
     fill(picture, {x, bar.y + bar.height, 1, font / 3}, ink);
-    std::string label = format_tick(tick, step);
-    if (tick == ticks.back()) label += " " + legend.unit;
     draw_text(picture, x, bar.y + bar.height + font / 3 + font, label, font, ink, Align::centre);
   }
 }
@@ -52,6 +55,13 @@ void draw_scale_bar(Picture& picture, double metres_per_pixel, std::int64_t righ
   std::snprintf(label, sizeof label, "%.10g %s", shown, metres >= 1000 ? "km" : "m");
   draw_text(picture, left, y + high + font / 3 + font, "0", font, ink, Align::centre);
   draw_text(picture, right, y + high + font / 3 + font, label, font, ink, Align::right);
+}
+
+/// The title of a legend of heights, to end another with.
+std::string elevations_of(const Legend& legend) {
+  constexpr std::string_view first = "Elevation, ";
+  if (legend.title.empty()) return "";
+  return " (" + (legend.title.starts_with(first) ? "elevation " + legend.title.substr(first.size()) : legend.title) + ")";
 }
 
 }  // namespace
@@ -85,12 +95,57 @@ Picture hatching(std::int64_t width, std::int64_t height) {
   return picture;
 }
 
+void style_legend(Legend& legend, const GroundStyle& style, double steepest_deg) {
+  const std::string elevations = elevations_of(legend);
+  if (style.colour == GroundColour::slope) {
+    legend.title = "Slope in degrees" + elevations;
+    legend.low = 0;
+    legend.high = steepest_deg;
+    legend.unit = "deg";
+  } else if (style.colour == GroundColour::aspect) {
+    legend.title = "Direction that the ground faces" + elevations;
+    legend.low = 0;
+    legend.high = 360;
+    legend.marks = {{0, "N"}, {90, "E"}, {180, "S"}, {270, "W"}, {360, "N"}};
+    legend.swatches.push_back({Picture(1, 1, flat_colour()), "flat"});
+  }
+  if (!(style.contour_interval_m > 0)) return;
+  char text[64];
+  std::snprintf(text, sizeof text, "contours every %.10g m", style.contour_interval_m);
+  legend.note += (legend.note.empty() ? "" : "; ") + std::string(text);
+}
+
+void drape_legend(Legend& legend, const DrapePicture& drape, const std::string& path) {
+  const std::string name = std::filesystem::path(path).filename().string();
+  if (!drape.opaque) {
+    legend.note += (legend.note.empty() ? "" : "; ") + name + " over the ground";
+    return;
+  }
+  legend.title = name + " over the ground" + elevations_of(legend);
+  legend.low = legend.high = std::nan("");
+  legend.marks.clear();
+  std::erase_if(legend.swatches, [](const Legend::Swatch& swatch) { return swatch.label != "no data"; });
+}
+
+Legend value_legend(const DrapePicture& drape, const std::string& path) {
+  Legend legend;
+  legend.title = std::filesystem::path(path).filename().string();
+  legend.low = drape.low;
+  legend.high = drape.high;
+  legend.unit.clear();
+  return legend;
+}
+
+ColourRamp ramp_of(GroundColour colour, const ColourRamp& heights) {
+  return colour == GroundColour::slope ? slope_ramp() : colour == GroundColour::aspect ? aspect_ramp() : heights;
+}
+
 Picture draw_legend(const Legend& legend, const ColourRamp& ramp, std::int64_t width) {
   const int font = font_size_for(width), small = std::max(11, font * 4 / 5);
   const std::int64_t margin = font, bar_high = font;
   const bool has_bar = !std::isnan(legend.low) && !std::isnan(legend.high), has_scale = legend.metres_per_pixel > 0;
   const std::int64_t title_y = margin + font, bar_y = title_y + font / 2;
-  const std::int64_t labels_end = bar_y + bar_high + font / 3 + font + font / 3;
+  const std::int64_t labels_end = has_bar || has_scale ? bar_y + bar_high + font / 3 + font + font / 3 : title_y + font / 3;
   const bool last_line = !legend.swatches.empty() || !legend.note.empty();
   Picture picture(width, labels_end + (last_line ? margin / 2 + bar_high : 0) + margin, paper);
 

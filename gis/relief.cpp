@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "core/support/parallel.h"
 #include "core/terrain/hillshade.h"
@@ -12,6 +13,8 @@
 #include "core/terrain/slope.h"
 #include "core/terrain/statistics.h"
 #include "gis/colour_ramp.h"
+#include "gis/contour_lines.h"
+#include "gis/drape_picture.h"
 #include "gis/legend.h"
 
 namespace arete {
@@ -71,9 +74,11 @@ struct Scale {
   double low_m = 0, high_m = 0;        // of the elevations
   double exaggeration = 1;
   bool voids = false, water = false;
+  double steepest_deg = 90;            // of the colours of slopes
 };
 
-double exaggeration_of(const std::vector<Ground>& grounds) {
+/// The percentile of the slopes of the land, metres per metre; the largest of the grounds.
+double steepness_of(const std::vector<Ground>& grounds, double share) {
   double steepest = 0;
   for (const Ground& ground : grounds) {
     const RasterView<const float> cells = ground.overview.cells.view();
@@ -83,9 +88,9 @@ double exaggeration_of(const std::vector<Ground>& grounds) {
         if (ground.water(x, y)) continue;
         if (const auto g = horn_gradient(cells, x, y, ground.cell)) slopes.push_back(static_cast<float>(std::hypot(g->east, g->north)));
       }
-    if (!slopes.empty()) steepest = std::max(steepest, percentile(slopes, 0.9));
+    if (!slopes.empty()) steepest = std::max(steepest, percentile(slopes, share));
   }
-  return exaggeration_for(steepest, 30, 12);
+  return steepest;
 }
 
 Scale common_scale(const std::vector<Ground>& grounds, double exaggeration) {
@@ -108,7 +113,7 @@ Scale common_scale(const std::vector<Ground>& grounds, double exaggeration) {
   scale.high_m = low <= high ? high : std::nan("");
   scale.low = land.empty() ? scale.low_m : percentile(land, 0.001);
   scale.high = land.empty() ? scale.high_m : percentile(land, 0.999);
-  scale.exaggeration = exaggeration > 0 ? exaggeration : exaggeration_of(grounds);
+  scale.exaggeration = exaggeration > 0 ? exaggeration : exaggeration_for(steepness_of(grounds, 0.9), 30, 12);
   return scale;
 }
 
@@ -163,6 +168,27 @@ Picture paint(const Ground& ground, const Raster<float>& light, double strength,
   return picture;
 }
 
+/// Slopes or aspects by their colours.
+Picture paint_gradients(const Ground& ground, const Scale& scale, const ReliefOptions& options) {
+  const bool slopes = options.style.colour == GroundColour::slope;
+  const ColourRamp ramp = slopes ? slope_ramp() : aspect_ramp();
+  const Colour flat = flat_colour();
+  const RasterView<const float> cells = ground.overview.cells.view();
+  // Light tells less than the colours here.
+  return paint(ground, light_of(ground, scale.exaggeration, options), 0.7, options.threads, [&](std::int64_t i) {
+    if (is_void(cells.data[i])) return void_colour;
+    if (ground.water.data()[i]) return water_colour;
+    const auto gradient = horn_gradient(cells, i % cells.width, i / cells.width, ground.cell);
+    if (!gradient) return flat;
+    const double share = slope_deg(*gradient) / scale.steepest_deg;
+    if (slopes) return ramp.at(share);
+    const double t = std::clamp((share - flat_share) / (facing_share - flat_share), 0.0, 1.0), facing = t * t * (3 - 2 * t);
+    Colour colour = ramp.at(aspect_deg(*gradient) / 360);
+    for (std::size_t c = 0; c < 3; ++c) colour[c] = static_cast<std::uint8_t>(std::lround(flat[c] + facing * (colour[c] - flat[c])));
+    return colour;
+  });
+}
+
 Picture paint_relief(const Ground& ground, const Scale& scale, const ReliefOptions& options) {
   const ColourRamp ramp = named_ramp(options.ramp);
   const double span = scale.high > scale.low ? scale.high - scale.low : 1;
@@ -215,12 +241,13 @@ Legend relief_legend(const Scale& scale, double metres_per_pixel, const ReliefOp
   legend.low = scale.low;
   legend.high = scale.high;
   legend.metres_per_pixel = options.metric ? metres_per_pixel : 0;
+  style_legend(legend, options.style, scale.steepest_deg);
   if (scale.water) legend.swatches.push_back({Picture(1, 1, water_colour), "water"});
   if (scale.voids) legend.swatches.push_back({hatching(40, 20), "no data"});
   char note[80];
   if (scale.exaggeration != 1) {
     std::snprintf(note, sizeof note, "relief exaggerated %g times", scale.exaggeration);
-    legend.note = note;
+    legend.note += (legend.note.empty() ? "" : "; ") + std::string(note);
   }
   return legend;
 }
@@ -235,16 +262,65 @@ Picture stack(const Picture& map, const Legend& legend, const ColourRamp& ramp) 
 
 }  // namespace
 
+namespace {
+
+/// Lays the picture over a map of the whole DEM, under the light of the ground.
+void lay_over(Picture& map, const DrapePicture& drape, const Ground& ground, Size dem, double exaggeration, const ReliefOptions& options) {
+  constexpr int even = 200;
+  const Raster<float> light = light_of(ground, exaggeration, options);
+  const Picture shades = resize_picture(paint(ground, light, 0.5, options.threads, [](std::int64_t) { return Colour{even, even, even, 255}; }), map.width(), map.height());
+  const double across = static_cast<double>(dem.width) / static_cast<double>(map.width()), down = static_cast<double>(dem.height) / static_cast<double>(map.height());
+  const Picture& from = drape.picture;
+  parallel_for(map.height(), options.threads, [&](std::int64_t y) {
+    for (std::int64_t x = 0; x < map.width(); ++x) {
+      const double u = ((static_cast<double>(x) + 0.5) * across - drape.left) / drape.width * static_cast<double>(from.width());
+      const double v = ((static_cast<double>(y) + 0.5) * down - drape.top) / drape.height * static_cast<double>(from.height());
+      if (!(u >= 0 && v >= 0 && u < static_cast<double>(from.width()) && v < static_cast<double>(from.height()))) continue;
+      // Bilinear, of colours times opacity.
+      double sum[4] = {};
+      for (int k = 0; k < 4; ++k) {
+        const double column = std::floor(u - 0.5) + k % 2, row = std::floor(v - 0.5) + k / 2;
+        const double weight = (1 - std::abs(u - 0.5 - column)) * (1 - std::abs(v - 0.5 - row));
+        const Colour& pixel = from(std::clamp<std::int64_t>(static_cast<std::int64_t>(column), 0, from.width() - 1),
+                                   std::clamp<std::int64_t>(static_cast<std::int64_t>(row), 0, from.height() - 1));
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * pixel[c] * pixel[3] / 255;
+        sum[3] += weight * pixel[3] / 255;
+      }
+      for (std::size_t c = 0; c < 3; ++c) {
+        const double shade = static_cast<double>(shades(x, y)[c]) / even;
+        map(x, y)[c] = static_cast<std::uint8_t>(std::clamp(std::lround(sum[c] * shade + map(x, y)[c] * (1 - sum[3])), 0L, 255L));
+      }
+    }
+  });
+}
+
+}  // namespace
+
 Relief draw_relief(const RasterSource& source, CellSize cell, const ReliefOptions& options, Progress& progress) {
   const Layout layout = plan(source.size(), cell, options.width);
   const ColourRamp ramp = named_ramp(options.ramp);
   std::vector<Ground> grounds;
   grounds.push_back(survey(source, cell, layout.pixels, options.threads, progress));
-  const Scale scale = common_scale(grounds, options.exaggeration);
-  Relief relief{finish_map(paint_relief(grounds[0], scale, options), layout.pixels), scale.low_m, scale.high_m, scale.exaggeration,
-                layout.metres_per_pixel};
+  Scale scale = common_scale(grounds, options.exaggeration);
+  ReliefOptions settled = options;
+  settled.style = settle(options.style, scale.high_m - scale.low_m);
+  const GroundStyle& style = settled.style;
+  if (style.colour != GroundColour::height) scale.steepest_deg = slope_scale_deg(std::atan(steepness_of(grounds, 0.99)) * 180 / M_PI);
+  const Picture cells = style.colour == GroundColour::height ? paint_relief(grounds[0], scale, settled) : paint_gradients(grounds[0], scale, settled);
+  Relief relief{finish_map(cells, layout.pixels), scale.low_m, scale.high_m, scale.exaggeration, layout.metres_per_pixel, style.contour_interval_m};
+  Legend legend = relief_legend(scale, layout.metres_per_pixel, settled);
+  std::optional<DrapePicture> drape;
+  if (options.cover) {
+    drape = read_drape(options.cover->path, options.cover->dem, {.per_cell = static_cast<double>(layout.pixels.width) / static_cast<double>(source.size().width)});
+    lay_over(relief.picture, *drape, grounds[0], source.size(), scale.exaggeration, options);
+    drape_legend(legend, *drape, options.cover->path);
+  }
+  if (style.contour_interval_m > 0)
+    draw_contours(relief.picture, grounds[0].overview.cells.view(), std::as_const(grounds[0].water).view(), style.contour_interval_m, options.threads);
   if (options.legend && !find_font().empty())
-    relief.picture = stack(relief.picture, relief_legend(scale, layout.metres_per_pixel, options), ramp);
+    relief.picture = stack(relief.picture, legend, ramp_of(style.colour, ramp));
+  if (options.legend && !find_font().empty() && drape && drape->values)
+    relief.picture = stack(relief.picture, value_legend(*drape, options.cover->path), named_ramp("viridis"));
   return relief;
 }
 

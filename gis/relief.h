@@ -6,11 +6,19 @@
 
 #include "core/support/progress.h"
 #include "core/terrain/georeference.h"
+#include "core/terrain/ground_style.h"
 #include "core/terrain/overview.h"
 #include "core/terrain/raster_io.h"
+#include "gis/alignment.h"
 #include "gis/image.h"
 
 namespace arete {
+
+/// A raster to be laid over the map of a DEM.
+struct ReliefCover {
+  std::string path;
+  Placed dem;
+};
 
 struct ReliefOptions {
   std::string ramp = "land";             ///< one of ramp_names()
@@ -18,6 +26,8 @@ struct ReliefOptions {
   double exaggeration = 0;               ///< of heights for the light; 0: as much as makes the steepest tenth of gentle terrain
                                          ///< look like 30 degrees, 1 to 12 (1 for mountains)
   std::optional<double> azimuth_deg;     ///< one light from there; nullopt: four lights about the north-west
+  GroundStyle style;                     ///< what the colours tell, contours; of draw_relief alone
+  std::optional<ReliefCover> cover;      ///< its picture (read_drape) over the colours, lightly lit; of draw_relief alone
   bool legend = true;                    ///< colour bar, scale bar, signs; needs a font (find_font)
   bool metric = true;                    ///< whether the cell size is known; false leaves the scale bar out
   int threads = 0;                       ///< 0: one per core; the same picture for any number
@@ -29,13 +39,15 @@ struct Relief {
   double low_m = 0, high_m = 0;     ///< range of the elevations; NaN where all is void
   double exaggeration = 1;          ///< that was used
   double metres_per_pixel = 0;
+  double contour_interval_m = 0;    ///< 0: no contours
 };
 
 /// Draws hypsometric colours under a multidirectional hillshade (core/terrain/hillshade.h). Pixels are square on the ground. A large
 /// raster is area-averaged as it is read (memory: the map, not the raster); a small one is magnified by a whole factor until
 /// its longest side has up to 1024 pixels, every cell a sharp square. Void cells are hatched. Water - cells at or below 0 m
 /// whose neighbours all have exactly the same height, and cells of that height beside them - is blue. The colours span the 0.1 to
-/// 99.9 % percentiles of the land. `cell`: metric size of a cell of the source.
+/// 99.9 % percentiles of the land. In their place slopes (Horn's, of the cells that are drawn) or aspects may be coloured, contours drawn
+/// and a raster laid over all. `cell`: metric size of a cell of the source.
 Relief draw_relief(const RasterSource& source, CellSize cell, const ReliefOptions& options, Progress& progress);
 
 /// One map of several that show the same ground.

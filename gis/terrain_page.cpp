@@ -16,6 +16,7 @@
 
 #include "core/support/deflate.h"
 #include "core/support/error.h"
+#include "core/terrain/ground_style.h"
 #include "gis/html_text.h"
 #include "gis/staged_files.h"
 
@@ -65,6 +66,18 @@ std::string jpeg(const Picture& picture, const StagedFiles& files) {
   return bytes;
 }
 
+/// Metres between contours that suit all terrains together.
+double page_interval(const std::vector<PageTerrain>& terrains) {
+  double low = INFINITY, high = -INFINITY;
+  for (const PageTerrain& terrain : terrains)
+    for (const std::uint16_t step : terrain.heights.steps) {
+      if (step == PageHeights::void_step) continue;
+      const double height = terrain.heights.low_m + step * terrain.heights.step_m;
+      low = std::min(low, height), high = std::max(high, height);
+    }
+  return contour_interval(high - low);
+}
+
 std::string css_colour(const Colour& colour) {
   char text[16];
   std::snprintf(text, sizeof text, "#%02x%02x%02x", colour[0], colour[1], colour[2]);
@@ -99,7 +112,8 @@ void write_terrain_page(const std::string& path, const TerrainPage& page, bool o
   assert(page.terrains.size() == 1 || page.terrains.size() == 2);
   StagedFiles files(path, overwrite);
   nlohmann::json data = {{"terrains", nlohmann::json::array()}, {"ramp", nlohmann::json::array()}, {"low", page.low_m}, {"high", page.high_m},
-                         {"exaggeration", page.exaggeration}, {"metric", page.metric}, {"credit", page.credit}, {"version", ARETE_VERSION}};
+                         {"exaggeration", page.exaggeration}, {"metric", page.metric}, {"interval", page_interval(page.terrains)},
+                         {"credit", page.credit}, {"version", ARETE_VERSION}};
   for (const Colour& colour : page.ramp) data["ramp"].push_back(css_colour(colour));
   std::string elements;
   for (std::size_t i = 0; i < page.terrains.size(); ++i) {

@@ -5,12 +5,12 @@
 
 #include "core/support/parallel.h"
 #include "core/support/random.h"
+#include "shaders/srgb.h"
 
 namespace arete {
 namespace {
 
-double from_linear(double v) { return v <= 0.0031308 ? 12.92 * v : 1.055 * std::pow(v, 1 / 2.4) - 0.055; }  // IEC 61966-2-1
-double srgb_of(double linear) { return from_linear(std::clamp(linear, 0.0, 1.0)); }
+double srgb_of(double linear) { return linear_to_srgb(std::clamp(linear, 0.0, 1.0)); }
 float byte_of(double linear) { return static_cast<float>(255 * srgb_of(linear)); }
 
 /// IEEE 754 binary16, finite values.

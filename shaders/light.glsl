@@ -1,7 +1,5 @@
 // How a scene is lit, and the air before it.
 uniform sampler2D light;         // sky, sun, over the whole terrain
-uniform sampler1D ramp;          // colours of heights, linear
-uniform vec2 ramp_range;         // lowest height and 1 / span
 uniform vec3 to_sun;             // east, north, up
 uniform vec3 water_colour;       // linear
 uniform vec3 haze_colour;
@@ -33,8 +31,6 @@ vec3 sky_colour(vec3 ray) {
   vec3 above = mix(haze_colour, zenith_colour, 1.0 - exp(-3.0 * max(up, 0.0)));
   return mix(above, below_colour, smoothstep(0.0, 1.0, -up * 1.2));
 }
-
-vec3 land_colour(float height) { return textureLod(ramp, (height - ramp_range.x) * ramp_range.y, 0.0).rgb; }
 
 // What is left of a colour behind so much air. Blue is scattered more than red.
 vec3 hazy(vec3 shade, vec3 from_eye) {

@@ -13,6 +13,7 @@
 #include "shaders/gl_context.h"
 #include "shaders/gl_program.h"
 #include "shaders/gl_uniforms.h"
+#include "shaders/ground_textures.h"
 #include "shaders/mesh_scene.h"
 #include "shaders/scene_light.h"
 
@@ -64,21 +65,27 @@ struct MeshRenderer::Impl {
     geometry = link_program({"mesh.vert", "mesh.frag"});
     surface = link_program({"screen.vert", "mesh_surface.frag"});
     light = make_light_texture(scene->light);
-    ramp = make_ramp_texture(options.ramp);
+    ramp = make_ramp_texture(options);
+    if (options.drape) {
+      drape = make_drape_texture(*options.drape, surface, options.threads);
+      drape_cell = options.drape->cell;
+      options.drape.reset();
+    }
     set_scene();
+    set_style(options.style);
   }
   ~Impl() {
     context.make_current();
     for (const GLuint program : {geometry, surface}) glDeleteProgram(program);
-    const GLuint textures[] = {light, ramp}, buffers[] = {places, triangles};
-    glDeleteTextures(2, textures);
+    const GLuint textures[] = {light, ramp, drape}, buffers[] = {places, triangles};
+    glDeleteTextures(3, textures);
     glDeleteVertexArrays(2, arrays);
     glDeleteBuffers(2, buffers);
     canvas.reset();
   }
 
   void set_scene() const {
-    const std::pair<const char*, int> units[] = {{"seen", 0}, {"depths", 1}, {"light", 3}, {"ramp", 4}};
+    const std::pair<const char*, int> units[] = {{"seen", 0}, {"depths", 1}, {"light", 3}, {"ramps", 4}, {"drape", 5}};
     for (const auto& [name, unit] : units) set_int(surface, name, unit);
     const auto unit = static_cast<float>(scene->unit_m), unit_up = static_cast<float>(scene->unit_m * scene->facts.exaggeration);
     for (const GLuint program : {geometry, surface}) set(program, "unit", Colour3{unit, unit, unit_up});
@@ -90,6 +97,8 @@ struct MeshRenderer::Impl {
     set(surface, "light_scale", 1 / (scene->ground.high[0] - scene->ground.low[0]), -1 / (scene->ground.high[1] - scene->ground.low[1]));
     set_scene_light(surface, scene->facts, options);
   }
+
+  void set_style(const GroundStyle& style) { options.style = set_ground_style(surface, style, scene->facts, drape != 0); }
 
   Box exaggerated(const Box& from, bool to_base) const {
     Box box = from;
@@ -118,6 +127,8 @@ struct MeshRenderer::Impl {
     set(surface, "eye_in_light", (camera.eye[0] - low[0]) / (high[0] - low[0]), (high[1] - camera.eye[1]) / (high[1] - low[1]));
     set(surface, "line_width", mode == DrawMode::wireframe ? line_px * supersampling : 0);
     set_int(surface, "mode", mode == DrawMode::coverage ? 2 : 0);
+    set(surface, "eye_cells", camera.eye[0] / drape_cell.x_m, -camera.eye[1] / drape_cell.y_m);
+    set(surface, "line_px", supersampling);
     set_haze(surface, box(), camera.eye, options.haze);
   }
 
@@ -156,6 +167,7 @@ struct MeshRenderer::Impl {
     glBindBufferBase(GL_SHADER_STORAGE_BUFFER, 1, triangles);
     glBindTextureUnit(3, light);
     glBindTextureUnit(4, ramp);
+    glBindTextureUnit(5, drape);
     glDisable(GL_DEPTH_TEST);
     glUseProgram(surface);
     glBindVertexArray(arrays[1]);
@@ -166,7 +178,8 @@ struct MeshRenderer::Impl {
   GlContext context;  // first, so that a missing driver is told before the mesh is prepared
   std::unique_ptr<MeshScene> scene;
   std::unique_ptr<Canvas> canvas;
-  GLuint places = 0, triangles = 0, geometry = 0, surface = 0, light = 0, ramp = 0;
+  GLuint places = 0, triangles = 0, geometry = 0, surface = 0, light = 0, ramp = 0, drape = 0;
+  CellSize drape_cell;
   GLuint arrays[2]{};
 };
 
@@ -197,6 +210,13 @@ void MeshRenderer::relight(double exaggeration, double sun_azimuth_deg, double s
   impl_->light = make_light_texture(impl_->scene->light);
   impl_->set_scene();
 }
+
+void MeshRenderer::restyle(const GroundStyle& style) {
+  impl_->context.make_current();
+  impl_->set_style(style);
+}
+
+const GroundStyle& MeshRenderer::style() const { return impl_->options.style; }
 
 int MeshRenderer::threads() const { return impl_->options.threads; }
 

@@ -34,6 +34,8 @@ class MeshRenderer final : public SceneRenderer {
   Box box() const override;
   double ground_height(double x_m, double y_m) const override;
   void relight(double exaggeration, double sun_azimuth_deg, double sun_elevation_deg) override;
+  void restyle(const GroundStyle& style) override;
+  const GroundStyle& style() const override;
 
  private:
   /// Patches of the frame are groups of 2048 triangles that may be seen.

@@ -163,6 +163,7 @@ SceneFacts survey(const MeshScene& scene) {
   facts.ramp_low_m = land.empty() ? facts.low_m : percentile(land, 0.001);
   facts.ramp_high_m = land.empty() ? facts.high_m : percentile(land, 0.999);
   if (!slopes.empty()) facts.exaggeration = exaggeration_for(percentile(slopes, 0.9), 20, 6);
+  if (!slopes.empty()) facts.steepest_deg = slope_scale_deg(std::atan(static_cast<double>(percentile(slopes, 0.99))) * 180 / M_PI);
   return facts;
 }
 
@@ -327,6 +328,7 @@ std::unique_ptr<MeshScene> prepare_mesh(TriangleMesh mesh, const SceneOptions& o
   scene->facts = survey(*scene);
   fill_voids(scene->overview.cells.view());
   if (options.exaggeration > 0) scene->facts.exaggeration = options.exaggeration;
+  if (options.steepest_deg) scene->facts.steepest_deg = *options.steepest_deg;
   if (options.ramp_range_m) scene->facts.ramp_low_m = (*options.ramp_range_m)[0], scene->facts.ramp_high_m = (*options.ramp_range_m)[1];
 
   place_vertices(mesh, *scene);

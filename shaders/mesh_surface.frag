@@ -2,6 +2,7 @@
 // Colours of what is seen of a mesh. The number of a surface: 1 + triangle.
 #include "light.glsl"
 #include "samples.glsl"
+#include "ground.glsl"
 #include "mesh_place.glsl"
 
 layout(std430, binding = 0) readonly buffer Places { ivec4 places[]; };    // x, y, z, normal
@@ -10,6 +11,7 @@ uniform ivec3 first_of;       // wall, side of a hole, floor
 uniform int sea_place;        // z of 0 m
 uniform float eye_height;     // exaggerated metres
 uniform float exaggeration;
+uniform vec2 eye_cells;       // column and row below the eye, of the picture that lies over the ground
 uniform vec2 eye_in_light;    // texture coordinates below the eye
 uniform vec2 light_scale;     // and per metre
 uniform mat4 projection;
@@ -42,22 +44,21 @@ vec3 on_picture(vec3 from_eye) {
   return vec3(clip.xy / pixel, clip.w);
 }
 
-vec3 ground_colour(ivec4 a, ivec4 b, ivec4 c, vec3 share, vec3 face, vec3 from_eye) {
+vec3 ground_colour(ivec4 a, ivec4 b, ivec4 c, vec3 share, vec3 face, vec3 from_eye, float ahead) {
   float height = (from_eye.z + eye_height) / exaggeration;
   vec2 open = textureLod(light, eye_in_light + from_eye.xy * light_scale, 0.0).rg;
-  if (a.z == b.z && b.z == c.z && a.z <= sea_place) {
-    float grazing = 1.0 + clamp(from_eye.z * inversesqrt(dot(from_eye, from_eye)), -1.0, 0.0);
-    grazing *= grazing;
-    grazing *= grazing;
-    return mix(lit(water_colour, vec3(0, 0, 1), vec2(1.0)), haze_colour, 0.5 * grazing);
-  }
+  if (a.z == b.z && b.z == c.z && a.z <= sea_place) return water_shade(from_eye);
   vec3 mean = share.x * normal_of(a.w) + share.y * normal_of(b.w) + share.z * normal_of(c.w);
   mean = normalize(vec3(mean.xy * exaggeration, mean.z));
   float edge = 1.0 - smoothstep(edge_from, smooth_until, dot(mean, face));
-  return lit(land_colour(height), normalize(mix(mean, face, max(edge, facet))), open);
+  vec3 normal = normalize(mix(mean, face, max(edge, facet)));
+  vec2 slope = -normal.xy / (max(normal.z, 1e-3) * exaggeration), own = -face.xy / (max(face.z, 1e-3) * exaggeration);
+  vec3 shade = land_shade(height, slope, normal, open);
+  // Lines are as wide as the facet that they lie on tells.
+  return add_marks(shade, height, own, face, open, eye_cells + vec2(from_eye.x, -from_eye.y) / drape_cell, 0.0, from_eye, ahead);
 }
 
-vec3 surface_colour(uint number, vec3 from_eye) {
+vec3 surface_colour(uint number, vec3 from_eye, float ahead) {
   int triangle = int(number - 1u);
   if (triangle >= first_of.z) return floor_colour;
   ivec4 a = places[corners[3 * triangle]], b = places[corners[3 * triangle + 1]], c = places[corners[3 * triangle + 2]];
@@ -73,7 +74,7 @@ vec3 surface_colour(uint number, vec3 from_eye) {
     float open = 1.0 - depth_below;
     return mix(floor_colour, 0.45 * mix(wall, wall_colour * 0.7, 0.6), open * open * open);
   }
-  vec3 shade = roll_off(ground_colour(a, b, c, share, face, from_eye));
+  vec3 shade = roll_off(ground_colour(a, b, c, share, face, from_eye, ahead));
   if (line_width > 0.0) {
     vec3 p = on_picture(at_a), q = on_picture(at_b), r = on_picture(at_c), here = on_picture(from_eye);
     vec2 at = here.xy / here.z;

@@ -14,7 +14,7 @@ layout(location = 0) out vec4 colour;
 const uint line_mark = 0x80000000u;
 
 bool is_floor(uint number);
-vec3 surface_colour(uint number, vec3 from_eye);
+vec3 surface_colour(uint number, vec3 from_eye, float ahead);
 
 vec3 seen_colour(uint number, vec3 ray, float depth) {
   if (number == 0u) return sky_colour(ray);
@@ -22,7 +22,7 @@ vec3 seen_colour(uint number, vec3 ray, float depth) {
   bool line = (number & line_mark) != 0u;
   number &= ~line_mark;
   if (line && !is_floor(number)) return line_colour;
-  return hazy(surface_colour(number, from_eye), from_eye);
+  return hazy(surface_colour(number, from_eye, near / depth), from_eye);
 }
 
 void main() {

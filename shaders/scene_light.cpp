@@ -6,11 +6,12 @@
 #include <epoxy/gl.h>
 
 #include "shaders/gl_uniforms.h"
+#include "shaders/srgb.h"
 
 namespace arete {
 namespace {
 
-float to_linear(double v) { return static_cast<float>(v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4)); }  // IEC 61966-2-1
+float to_linear(double v) { return static_cast<float>(srgb_to_linear(v)); }
 Colour3 linear(int r, int g, int b) { return {to_linear(r / 255.0), to_linear(g / 255.0), to_linear(b / 255.0)}; }
 
 const Colour3 haze_colour = linear(222, 231, 240), zenith_colour = linear(104, 150, 202), below_colour = linear(247, 246, 243),
@@ -32,31 +33,27 @@ unsigned make_light_texture(const SkyLight& light) {
   return texture;
 }
 
-unsigned make_ramp_texture(std::vector<std::array<std::uint8_t, 3>> colours) {
-  if (colours.empty()) colours = {{200, 198, 194}};
-  std::vector<float> table;
-  for (const auto& colour : colours)
-    for (const std::uint8_t value : colour) table.push_back(to_linear(value / 255.0));
-  const auto count = static_cast<GLsizei>(colours.size());
-  GLuint texture = 0;
-  glCreateTextures(GL_TEXTURE_1D, 1, &texture);
-  glTextureStorage1D(texture, 1, GL_RGB32F, count);
-  glTextureSubImage1D(texture, 0, 0, count, GL_RGB, GL_FLOAT, table.data());
-  glTextureParameteri(texture, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  for (const GLenum filter : {GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MAG_FILTER}) glTextureParameteri(texture, filter, GL_LINEAR);
-  return texture;
-}
-
 void set_scene_light(unsigned program, const SceneFacts& facts, const SceneOptions& options) {
   const double span = facts.ramp_high_m - facts.ramp_low_m;
   set(program, "ramp_range", facts.ramp_low_m, span > 0 ? 1 / span : 1);
   const double azimuth = options.sun_azimuth_deg * M_PI / 180, elevation = options.sun_elevation_deg * M_PI / 180;
   const double level = std::cos(elevation);
   set(program, "to_sun", Colour3{static_cast<float>(std::sin(azimuth) * level), static_cast<float>(std::cos(azimuth) * level), static_cast<float>(std::sin(elevation))});
+  set(program, "slope_scale", 1 / facts.steepest_deg);
+  set(program, "facing", flat_share, facing_share);
+  set(program, "flat_colour", linear(options.flat_colour[0], options.flat_colour[1], options.flat_colour[2]));
   set(program, "water_colour", water_colour);
   set(program, "haze_colour", haze_colour);
   set(program, "zenith_colour", zenith_colour);
   set(program, "below_colour", below_colour);
+}
+
+GroundStyle set_ground_style(unsigned program, const GroundStyle& style, const SceneFacts& facts, bool has_drape) {
+  const GroundStyle settled = settle(style, facts.high_m - facts.low_m);
+  set_int(program, "coloured", static_cast<int>(settled.colour));
+  set_int(program, "draped", has_drape && settled.drape);
+  set(program, "contours", settled.contour_interval_m > 0 ? 1 / settled.contour_interval_m : 0);
+  return settled;
 }
 
 void set_highlights(unsigned program, Highlights highlights) { set_int(program, "rolls_off", highlights == Highlights::roll_off); }

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "core/terrain/sky_light.h"
 #include "shaders/camera.h"
@@ -13,11 +12,11 @@ namespace arete {
 
 /// Sky and sun of a scene (light.glsl) as a texture; the caller deletes it.
 unsigned make_light_texture(const SkyLight& light);
-/// Colours of heights in linear light, grey where there are none; the caller deletes it.
-unsigned make_ramp_texture(std::vector<std::array<std::uint8_t, 3>> colours);
-/// Where the sun stands, the ends of the ramp, and the colours of water and air.
+/// Where the sun stands, the ends of the ramps, and the colours of flat ground, water and air.
 void set_scene_light(unsigned program, const SceneFacts& facts, const SceneOptions& options);
 
+/// How ground is coloured (ground.glsl); gives the style back with the interval of contours as a number.
+GroundStyle set_ground_style(unsigned program, const GroundStyle& style, const SceneFacts& facts, bool has_drape);
 void set_highlights(unsigned program, Highlights highlights);
 
 /// Nearest and farthest distance of a box.

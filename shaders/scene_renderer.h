@@ -27,6 +27,11 @@ class SceneRenderer {
   /// Draws from now on with this exaggeration (> 0) and sun. See light_scene for its cost.
   virtual void relight(double exaggeration, double sun_azimuth_deg, double sun_elevation_deg) = 0;
 
+  /// Colours the ground so from now on. At once.
+  virtual void restyle(const GroundStyle& style) = 0;
+  /// How it is coloured; the interval of contours is a number.
+  virtual const GroundStyle& style() const = 0;
+
   /// A picture of 1 x 1 to 16384 x 16384 pixels; throws Error{usage} beyond.
   Frame draw(const Camera& camera, Size picture, DrawMode mode = DrawMode::lit);
   /// The same from top to bottom, for pictures that need not be in memory and for other depths: `take` gets up to 1280 whole rows at a time. The

@@ -2,6 +2,7 @@
 // Colours of what is seen of a terrain. The number of a surface: 1 + 8 layer of the tile + side.
 #include "light.glsl"
 #include "samples.glsl"
+#include "ground.glsl"
 
 layout(std430, binding = 0) readonly buffer Tiles { ivec4 tiles[]; };  // by layer: column and row of the first sample, level
 
@@ -16,7 +17,7 @@ uniform float base;
 
 bool is_floor(uint number) { return (number - 1u & 7u) == 5u; }
 
-vec3 surface_colour(uint number, vec3 from_eye) {
+vec3 surface_colour(uint number, vec3 from_eye, float ahead) {
   int surface = int(number - 1u), side = surface & 7, layer = surface >> 3;
   ivec4 tile = tiles[layer];
   vec2 away = eye_part + vec2(from_eye.x, -from_eye.y) / cell;  // samples from eye_sample
@@ -37,13 +38,9 @@ vec3 surface_colour(uint number, vec3 from_eye) {
       vec3 hue = 0.5 + 0.5 * cos(6.2832 * (float(tile.z) * 0.381966 + vec3(0.0, 0.33, 0.67)));
       shade = lit(mix(vec3(0.75), hue, 0.6), normal, open);
     } else {
-      shade = lit(land_colour(shape.r), normal, open);
       float wet = smoothstep(0.35, 0.65, shape.a);
-      float grazing = 1.0 + clamp(from_eye.z * inversesqrt(dot(from_eye, from_eye)), -1.0, 0.0);
-      grazing *= grazing;
-      grazing *= grazing;
-      vec3 water = mix(lit(water_colour, vec3(0, 0, 1), vec2(1.0)), haze_colour, 0.5 * grazing);
-      shade = mix(shade, water, wet);
+      shade = mix(land_shade(shape.r, slope, normal, open), water_shade(from_eye), wet);
+      shade = add_marks(shade, shape.r, slope, normal, open, vec2(eye_sample) + away, wet, from_eye, ahead);
     }
   }
   return roll_off(shade);

@@ -12,6 +12,7 @@
 #include "shaders/gl_context.h"
 #include "shaders/gl_program.h"
 #include "shaders/gl_uniforms.h"
+#include "shaders/ground_textures.h"
 #include "shaders/scene_light.h"
 #include "shaders/tile_cache.h"
 
@@ -49,16 +50,19 @@ struct TerrainRenderer::Impl {
     capture = link_program({"terrain.vert", "terrain.tesc", "terrain.tese"}, {"sample_height"});
     surface = link_program({"screen.vert", "surface.frag"});
     light = make_light_texture(scene->light);
-    ramp = make_ramp_texture(options.ramp);
+    ramp = make_ramp_texture(options);
+    if (options.drape) drape = make_drape_texture(*options.drape, surface, options.threads);
+    options.drape.reset();
     make_patches();
     set_ground();
     set_colours();
+    set_style(options.style);
   }
   ~Impl() {
     context.make_current();
     for (const GLuint program : {whole, holed, capture, surface}) glDeleteProgram(program);
-    const GLuint textures[] = {light, ramp};
-    glDeleteTextures(2, textures);
+    const GLuint textures[] = {light, ramp, drape};
+    glDeleteTextures(3, textures);
     glDeleteBuffers(1, &patch_buffer);
     glDeleteBuffers(1, &tile_buffer);
     glDeleteVertexArrays(2, arrays);
@@ -83,20 +87,22 @@ struct TerrainRenderer::Impl {
     for (const GLuint program : {whole, holed, capture, surface}) {
       set_int(program, "heights", 0);
       set_int(program, "last", scene->tree.size.width - 1, scene->tree.size.height - 1);
-      set(program, "cell", at.cell.x_m, at.cell.y_m);
+      for (const char* name : {"cell", "drape_cell"}) set(program, name, at.cell.x_m, at.cell.y_m);
       set(program, "exaggeration", at.exaggeration);
       set(program, "base", at.base);
     }
   }
 
   void set_colours() const {
-    const char* const units[] = {"seen", "depths", "shapes", "light", "ramp"};
-    for (int i = 0; i < 5; ++i) set_int(surface, units[i], i);
+    const char* const units[] = {"seen", "depths", "shapes", "light", "ramps", "drape"};
+    for (int i = 0; i < 6; ++i) set_int(surface, units[i], i);
     const Overview& overview = scene->overview;
     const std::int64_t columns = overview.across * overview.cells.width(), rows = overview.down * overview.cells.height();
     set(surface, "light_scale", 1 / static_cast<double>(columns), 1 / static_cast<double>(rows));
     set_scene_light(surface, scene->facts, options);
   }
+
+  void set_style(const GroundStyle& style) { options.style = set_ground_style(surface, style, scene->facts, drape != 0); }
 
   Box box() const {
     const TerrainPatch all{0, 0, static_cast<std::int32_t>(scene->tree.levels.size()) - 1, {}, {}, 0};
@@ -166,6 +172,7 @@ struct TerrainRenderer::Impl {
     glBindTextureUnit(2, tiles->shapes());
     glBindTextureUnit(3, light);
     glBindTextureUnit(4, ramp);
+    glBindTextureUnit(5, drape);
     glDisable(GL_DEPTH_TEST);
     glUseProgram(surface);
     glBindVertexArray(arrays[1]);
@@ -227,6 +234,7 @@ struct TerrainRenderer::Impl {
     const int supersampling = mode == DrawMode::coverage ? 1 : std::clamp(options.supersampling, 1, 4);
     set_camera(camera, mode);
     set_highlights(surface, highlights);
+    set(surface, "line_px", supersampling);
     draw_in_parts(picture, supersampling, canvas, take,
                   [&](const PicturePart& part, const Canvas& to) { draw_part(patches, camera, picture, part, supersampling, mode, to); });
     Frame frame{picture, {}, static_cast<std::int64_t>(patches.size()), 0, tiles->loaded() - before};
@@ -239,7 +247,7 @@ struct TerrainRenderer::Impl {
   std::unique_ptr<TerrainScene> scene;
   std::unique_ptr<TileCache> tiles;
   std::unique_ptr<Canvas> canvas;
-  GLuint whole = 0, holed = 0, capture = 0, surface = 0, light = 0, ramp = 0, patch_buffer = 0, tile_buffer = 0;
+  GLuint whole = 0, holed = 0, capture = 0, surface = 0, light = 0, ramp = 0, drape = 0, patch_buffer = 0, tile_buffer = 0;
   GLuint arrays[2]{};
 };
 
@@ -271,6 +279,13 @@ void TerrainRenderer::relight(double exaggeration, double sun_azimuth_deg, doubl
   impl_->set_ground();
   impl_->set_colours();
 }
+
+void TerrainRenderer::restyle(const GroundStyle& style) {
+  impl_->context.make_current();
+  impl_->set_style(style);
+}
+
+const GroundStyle& TerrainRenderer::style() const { return impl_->options.style; }
 
 std::string TerrainRenderer::driver() const { return impl_->context.description(); }
 

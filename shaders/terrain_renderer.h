@@ -35,6 +35,8 @@ class TerrainRenderer final : public SceneRenderer {
   Box box() const override;
   double ground_height(double x_m, double y_m) const override;
   void relight(double exaggeration, double sun_azimuth_deg, double sun_elevation_deg) override;
+  void restyle(const GroundStyle& style) override;
+  const GroundStyle& style() const override;
   using SceneRenderer::draw;
   /// The parts of draw(): which patches, and the picture of any patches.
   std::vector<TerrainPatch> select(const Camera& camera, Size picture) const;

@@ -43,6 +43,7 @@ SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& o
   facts.ramp_high_m = land.empty() ? facts.high_m : percentile(land, 0.999);
   // The steepest tenth of gentle terrain looks like 20 degrees.
   if (!slopes.empty()) facts.exaggeration = exaggeration_for(percentile(slopes, 0.9), 20, 6);
+  if (!slopes.empty()) facts.steepest_deg = slope_scale_deg(std::atan(static_cast<double>(percentile(slopes, 0.99))) * 180 / M_PI);
   return facts;
 }
 
@@ -74,6 +75,7 @@ std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize
   scene->pyramid = std::make_unique<SamplePyramid>(source, scene->overview, options.memory_bytes / 4 * 3, options.measured_cells, options.threads, progress);
   scene->facts = survey(*scene->pyramid, cell, scene->overview);
   if (options.exaggeration > 0) scene->facts.exaggeration = options.exaggeration;
+  if (options.steepest_deg) scene->facts.steepest_deg = *options.steepest_deg;
   if (options.ramp_range_m) scene->facts.ramp_low_m = (*options.ramp_range_m)[0], scene->facts.ramp_high_m = (*options.ramp_range_m)[1];
   scene->tree = build_quadtree(*scene->pyramid, options.threads, progress);
   scene->placement = {cell, scene->facts.exaggeration, 0, options.walls, options.walls && scene->facts.has_voids};

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/support/progress.h"
+#include "core/terrain/ground_style.h"
 #include "core/terrain/overview.h"
 #include "core/terrain/raster_io.h"
 #include "core/terrain/sky_light.h"
@@ -15,10 +16,24 @@
 
 namespace arete {
 
+/// A picture to be laid over the ground.
+struct GroundPicture {
+  Size size;
+  std::vector<std::array<std::uint8_t, 4>> rgba;            ///< sRGB and opacity, row 0 at the top; along rows and columns of the DEM
+  double left = 0, top = 0, width = 1, height = 1;          ///< what it covers, in cells of the DEM from the outer corner of the first
+  CellSize cell = {1, 1};                                   ///< of the DEM, metres; terrains know it
+};
+
 struct SceneOptions {
   double exaggeration = 0;                         ///< of heights; 0: 1 for mountains, up to 6 for gentle terrain
   std::vector<std::array<std::uint8_t, 3>> ramp;   ///< sRGB colours from the lowest to the highest land; empty: grey
+  std::vector<std::array<std::uint8_t, 3>> slope_ramp;   ///< from flat to the steepest; empty: grey
+  std::vector<std::array<std::uint8_t, 3>> aspect_ramp;  ///< by the direction that ground faces, from north by east to north again; empty: grey
+  std::array<std::uint8_t, 3> flat_colour = {180, 180, 180};  ///< of aspects where the ground is flat
+  GroundStyle style;                               ///< at first
+  std::shared_ptr<const GroundPicture> drape;      ///< shown where it is opaque, lightly lit; none: nothing. Sides up to 8192
   double sun_azimuth_deg = 315, sun_elevation_deg = 40;
+  std::optional<double> steepest_deg;                 ///< where the colours of slopes end; none: as the facts say
   std::optional<std::array<double, 2>> ramp_range_m;  ///< heights of the ends of the ramp; none: as the facts say
   double haze = 0.15;                              ///< share of the far side's light that is haze, in [0, 1)
   bool walls = true;                               ///< the terrain is a block that stands on its walls
@@ -33,6 +48,7 @@ struct SceneOptions {
 struct SceneFacts {
   double low_m = 0, high_m = 0;            ///< lowest and highest valid sample
   double ramp_low_m = 0, ramp_high_m = 0;  ///< ends of the colours: 0.1 and 99.9 % of the land
+  double steepest_deg = 90;                ///< where the colours of slopes end
   double exaggeration = 1;
   bool has_voids = false, has_water = false;
 };

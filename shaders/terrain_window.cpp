@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include <epoxy/gl.h>
 
@@ -78,6 +79,7 @@ struct Session {
   ViewedScene scene;
   ViewSun sun, lit_sun;
   double exaggeration = 1, lit_exaggeration = 1, first_exaggeration = 1;
+  double other_interval_m = 0;  // of the contours, with the next key
   bool resets = false, flying = false, timing = false, repeated = false;
   bool changed = true, uncovered = false, wants_picture = false, wants_keys = false;
   Hand hand = Hand::none;
@@ -159,6 +161,9 @@ bool type_switch(Session& s, char key) {
     case 'r': reset_view(s); return true;
     case 'z': toggle(DrawMode::wireframe); return true;
     case 'c': toggle(DrawMode::levels); return true;
+    case 'g': s.scene.style.colour = next_colour(s.scene.style.colour); return true;
+    case 'k': std::swap(s.scene.style.contour_interval_m, s.other_interval_m); return true;
+    case 'o': s.scene.style.drape = !s.scene.style.drape; return true;
     case 't': s.timing = !s.timing; return true;
     case 'p': s.wants_picture = true; return true;
     case 'h': case '?': s.wants_keys = true; return true;
@@ -271,7 +276,7 @@ void set_title(const Session& s, const Frame& picture, double seconds) {
 /// What the frames that are kept were drawn for.
 bool same_frames(const ViewedScene& a, const ViewedScene& b) {
   return a.camera.target == b.camera.target && a.camera.azimuth_deg == b.camera.azimuth_deg && a.camera.pitch_deg == b.camera.pitch_deg &&
-         a.camera.distance_m == b.camera.distance_m && a.mode == b.mode && a.layout == b.layout;
+         a.camera.distance_m == b.camera.distance_m && a.mode == b.mode && a.style == b.style && a.layout == b.layout;
 }
 
 class Loop {
@@ -404,6 +409,7 @@ std::string window_keys() {
          "1 2, PageDown PageUp    exaggerate heights less, more\n"
          "L and drag, , .  ; '    move the sun: azimuth, height\n"
          "Z  C                    sides of triangles; colours of levels of detail (of a DEM)\n"
+         "G  K  O                 colours of heights, slopes, aspects; contours; the raster that is draped over them\n"
          "Tab  [ ]                two terrains: side by side, swipe, first, second; move the divider (or drag it)\n"
          "T                       time and triangles of a picture, in the title\n"
          "P, F12                  save the picture\n"
@@ -423,6 +429,8 @@ WindowReport run_terrain_window(const ViewedTerrains& terrains, const WindowOpti
   session.exaggeration = session.lit_exaggeration = session.first_exaggeration = terrains.first->facts().exaggeration;
   session.sun = session.lit_sun = options.sun;
   session.scene.layout = terrains.second == nullptr ? ViewLayout::first : ViewLayout::swipe;
+  session.scene.style = terrains.first->style();
+  if (session.scene.style.contour_interval_m == 0) session.other_interval_m = contour_interval(terrains.first->facts().high_m - terrains.first->facts().low_m);
   session.scene.camera = first_camera(session);
   if (terrains.second != nullptr) terrains.second->relight(session.exaggeration, options.sun.azimuth_deg, options.sun.elevation_deg);
   glfwGetCursorPos(session.window, &session.x, &session.y);

@@ -158,6 +158,15 @@ void turn_sun(ViewSun& sun, double azimuth_deg, double elevation_deg) {
   sun.elevation_deg = std::clamp(sun.elevation_deg + elevation_deg, 2.0, 89.0);
 }
 
+GroundColour next_colour(GroundColour colour) {
+  switch (colour) {
+    case GroundColour::height: return GroundColour::slope;
+    case GroundColour::slope: return GroundColour::aspect;
+    case GroundColour::aspect: break;
+  }
+  return GroundColour::height;
+}
+
 ViewLayout next_layout(ViewLayout layout) {
   switch (layout) {
     case ViewLayout::side_by_side: return ViewLayout::swipe;

@@ -2,6 +2,7 @@
 
 #include <functional>
 
+#include "core/terrain/ground_style.h"
 #include "shaders/camera.h"
 
 namespace arete {
@@ -54,6 +55,9 @@ struct ViewSun {
   double azimuth_deg = 315, elevation_deg = 40;
 };
 void turn_sun(ViewSun& sun, double azimuth_deg, double elevation_deg);
+
+/// What colours tell next: heights, slopes, aspects, heights.
+GroundColour next_colour(GroundColour colour);
 
 /// How two terrains share the window.
 enum class ViewLayout { side_by_side, swipe, first, second };

@@ -32,6 +32,8 @@ std::array<std::optional<Frame>, 2> draw_terrains(const ViewedTerrains& terrains
   std::array<std::optional<Frame>, 2> frames;
   const Size size = picture_of_one(scene.layout, picture);
   Camera camera = camera_of(scene.camera);
+  for (SceneRenderer* terrain : {terrains.first, terrains.second})
+    if (terrain != nullptr) terrain->restyle(scene.style);
   if (terrains.second == nullptr || scene.layout != ViewLayout::second) frames[0] = terrains.first->draw(camera, size, scene.mode);
   if (terrains.second == nullptr || scene.layout == ViewLayout::first) return frames;
   camera.eye = subtract(camera.eye, terrains.offset_m);

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 
+#include "core/terrain/ground_style.h"
 #include "shaders/scene_renderer.h"
 #include "shaders/view_controls.h"
 
@@ -19,6 +20,7 @@ struct ViewedTerrains {
 struct ViewedScene {
   ViewCamera camera;
   DrawMode mode = DrawMode::lit;
+  GroundStyle style;
   ViewLayout layout = ViewLayout::first;
   double divider = 0.5;  ///< of the swipe: the first to its left, the second to its right
 };

@@ -33,6 +33,7 @@ struct PreviewArguments {
   bool no_legend = false, no_wireframe = false, terrain_rgb = false;
   int band = 1;
   PerspectiveArguments perspective;
+  GroundArguments ground;
   std::vector<std::pair<const CLI::Option*, unsigned>> options;  ///< and the kinds that take them
 
   Kind kind() const { return is_page(output) ? page : view == "profile" ? profile : view == "perspective" ? Kind::perspective : top; }
@@ -74,6 +75,7 @@ PerspectiveArguments perspective_of(const PreviewArguments& arguments) {
   perspective.exaggeration = arguments.exaggeration;
   perspective.sun_azimuth_deg = parse_azimuth(arguments.azimuth).value_or(315);
   perspective.legend = !arguments.no_legend;
+  perspective.ground = arguments.ground;
   perspective.dem = {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb};
   return perspective;
 }
@@ -81,6 +83,7 @@ PerspectiveArguments perspective_of(const PreviewArguments& arguments) {
 Relief draw_dem(const PreviewArguments& arguments, ReliefOptions options, Progress& progress) {
   const ElevationInput dem = open_elevations(arguments.input, {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, options.threads);
   options.metric = dem.geo.transform.has_value();
+  if (!arguments.ground.drape.empty()) options.cover = ReliefCover{arguments.ground.drape, {arguments.input, dem.geo, dem.source->size()}};
   return draw_relief(*dem.source, cell_size(dem.geo, dem.source->size()), options, progress);
 }
 
@@ -108,6 +111,7 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
   options.azimuth_deg = parse_azimuth(arguments.azimuth);
   options.legend = !arguments.no_legend;
   options.threads = common.threads;
+  options.style = ground_style(arguments.ground);
   if (arguments.kind() == page) {
     write_preview_page({.input = arguments.input, .output = arguments.output, .compare = arguments.compare,
                         .reading = {.band = arguments.band, .terrain_rgb = arguments.terrain_rgb}, .relief = options, .legend = options.legend,
@@ -119,6 +123,8 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
   check_picture_path(arguments.output, common.overwrite);
   if (options.legend) warn_without_font(common);
 
+  if (!arguments.ground.drape.empty() && is_mesh_file(arguments.input))
+    throw Error(ErrorKind::usage, "--drape lies over DEMs and trees (.sct), '" + arguments.input + "' is a mesh");
   const auto progress = make_progress(common);
   const Relief relief = is_mesh_file(arguments.input) ? draw_mesh_file(arguments, options, common, *progress) : draw_dem(arguments, options, *progress);
   write_picture(arguments.output, relief.picture, common.overwrite);
@@ -134,7 +140,7 @@ void run_preview(const PreviewArguments& arguments, const CommonOptions& common)
   print_result(common, arguments.output + text,
                {{"picture", arguments.output}, {"width", relief.picture.width()}, {"height", relief.picture.height()},
                 {"metres_per_pixel", relief.metres_per_pixel}, {"low_m", finite(relief.low_m)}, {"high_m", finite(relief.high_m)},
-                {"exaggeration", relief.exaggeration}});
+                {"exaggeration", relief.exaggeration}, {"contour_interval_m", relief.contour_interval_m}});
 }
 
 }  // namespace
@@ -162,6 +168,7 @@ void add_preview(CLI::App& app, std::shared_ptr<CommonOptions> common) {
       ->delimiter(',')
       ->expected(4);
   for (CLI::Option* option : add_perspective_options(verb, arguments->perspective)) of(option, perspective);
+  for (CLI::Option* option : add_ground_options(verb, arguments->ground)) of(option, top | perspective);
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
   of(verb->add_option("--width", arguments->width, "Width of the map in pixels at most (default: longest side 2048). Page: samples along the longest side (default: 1280)"), top | profile | page)
       ->check(CLI::Range(16, 20000));

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -33,8 +34,16 @@ Size parse_size(const std::string& text) {
 
 DrawMode mode_of(const std::string& name) { return name == "wireframe" ? DrawMode::wireframe : name == "levels" ? DrawMode::levels : DrawMode::lit; }
 
-/// The strip under the picture.
-Picture legend_of(const SceneFacts& facts, const std::string& ramp, std::int64_t width, double metres_per_pixel) {
+Picture stack(const Picture& above, const Picture& below) {
+  Picture sheet(above.width(), above.height() + below.height());
+  paste(sheet, above, 0, 0);
+  paste(sheet, below, 0, above.height());
+  return sheet;
+}
+
+/// The strip under the picture. `drape` may be null.
+Picture legend_of(const SceneFacts& facts, const GroundStyle& style, const std::string& ramp, const DrapePicture* drape, const std::string& drape_path,
+                  std::int64_t width, double metres_per_pixel) {
   Legend legend;
   legend.title = facts.high_m - facts.low_m >= 20 ? fmt::format("Elevation, {:.0f} to {:.0f} m", facts.low_m, facts.high_m)
                                                   : fmt::format("Elevation, {:.2f} to {:.2f} m", facts.low_m, facts.high_m);
@@ -42,10 +51,13 @@ Picture legend_of(const SceneFacts& facts, const std::string& ramp, std::int64_t
   legend.high = facts.ramp_high_m;
   legend.metres_per_pixel = metres_per_pixel;
   legend.scale_note = "across, in the middle";
+  style_legend(legend, style, facts.steepest_deg);
   if (facts.has_water) legend.swatches.push_back({Picture(1, 1, {168, 199, 220, 255}), "water"});
   if (facts.has_voids) legend.swatches.push_back({Picture(1, 1, {95, 94, 96, 255}), "no data"});
-  if (facts.exaggeration != 1) legend.note = fmt::format("heights exaggerated {:g} times", facts.exaggeration);
-  return draw_legend(legend, named_ramp(ramp), width);
+  if (facts.exaggeration != 1) legend.note += fmt::format("{}heights exaggerated {:g} times", legend.note.empty() ? "" : "; ", facts.exaggeration);
+  if (drape != nullptr) drape_legend(legend, *drape, drape_path);
+  const Picture strip = draw_legend(legend, ramp_of(style.colour, named_ramp(ramp)), width);
+  return drape != nullptr && drape->values ? stack(strip, draw_legend(value_legend(*drape, drape_path), named_ramp("viridis"), width)) : strip;
 }
 
 /// How the pictures of one call are drawn.
@@ -179,6 +191,8 @@ std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArg
 void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common) {
   Drawing drawing{.view = parse_size(arguments.size), .mode = mode_of(arguments.mode), .depth = depth_of(arguments.output), .threads = common.threads};
   check_camera(arguments.camera);
+  if (const GroundArguments& style = arguments.ground; arguments.mode == "levels" && (style.colour != "height" || !style.contours.empty() || !style.drape.empty()))
+    throw Error(ErrorKind::usage, "--style levels has colours of its own: leave out --colour, --contours and --drape");
   const std::vector<std::string> paths = picture_paths(arguments.output, arguments.camera.turntable);
   for (const std::string& path : paths) check_picture_path(path, common.overwrite);
   const bool legend = arguments.legend && drawing.depth != PictureDepth::half;
@@ -196,7 +210,15 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 2);
   scene.sun_azimuth_deg = arguments.sun_azimuth_deg + grid_north_deg(ground);
   scene.supersampling = 2;
+  scene.style = ground_style(arguments.ground);
+  std::optional<DrapePicture> drape;
+  if (!arguments.ground.drape.empty()) {
+    drape = drape_of(arguments.ground, arguments.input, input.geo, input.size, common);
+    scene.drape = ground_picture(*drape, input.cell);
+    drape->picture = Picture();
+  }
   scene_renderer = make_renderer(input, input, scene, *progress);
+  scene.drape.reset();  // it is on the GPU
   SceneRenderer& renderer = *scene_renderer;
   if (input.is_mesh()) places = find_places(arguments.camera, ground);
   const SceneFacts& facts = renderer.facts();
@@ -207,13 +229,14 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   drawing.needle = legend;
   drawing.grid_north_deg = grid_north_deg(ground);
   // Levels have colours of their own.
-  if (legend && arguments.mode != "levels" && !find_font().empty()) drawing.legend = legend_of(facts, arguments.ramp, drawing.view.width, pixel_m);
+  if (legend && arguments.mode != "levels" && !find_font().empty()) 
+    drawing.legend = legend_of(facts, renderer.style(), arguments.ramp, drape ? &*drape : nullptr, arguments.ground.drape, drawing.view.width, pixel_m);
   const Frame frame = draw_pictures(renderer, cameras, drawing, paths, common.overwrite, *progress);
 
   const std::int64_t height = drawing.view.height + drawing.legend.height();
   const bool many = paths.size() > 1;
   nlohmann::json data = {{"width", drawing.view.width}, {"height", height}, {"low_m", facts.low_m},
-                         {"high_m", facts.high_m}, {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
+                         {"high_m", facts.high_m}, {"contour_interval_m", renderer.style().contour_interval_m}, {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
                          {"tiles_loaded", frame.tiles_loaded}, {"camera_m", camera.eye}, {"target_m", camera.target},
                          {"eye", place_in_crs(camera.eye, ground, facts.exaggeration)}, {"look_at", place_in_crs(camera.target, ground, facts.exaggeration)},
                          {"metres_per_pixel", pixel_m}, {"renderer", renderer.driver()}};

@@ -6,6 +6,7 @@
 
 #include "gis/dem_file.h"
 #include "tools/command.h"
+#include "tools/drawn_terrain.h"
 #include "tools/perspective_camera.h"
 
 namespace arete::tools {
@@ -18,6 +19,7 @@ struct PerspectiveArguments {
   bool legend = true;
   DemReadOptions dem;
   CameraArguments camera;
+  GroundArguments ground;
   std::string size = "1920x1080";
   std::string mode = "lit";
   double max_error_px = 2;

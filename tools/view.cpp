@@ -20,6 +20,7 @@ namespace {
 struct ViewArguments {
   std::string input, other, ramp = "land";
   DemReadOptions dem;
+  GroundArguments ground;
   double exaggeration = 0, look_from_deg = 200, pitch_deg = 35, field_of_view_deg = 30, max_error_px = 2, close_after_s = 0;
 };
 
@@ -52,17 +53,27 @@ void run_view(const ViewArguments& arguments, const CommonOptions& common) {
     terrains.offset_m = offset_between(input, other);
   }
   SceneOptions options = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, arguments.other.empty() ? 2 : 4);
+  options.style = ground_style(arguments.ground);
   std::unique_ptr<SceneRenderer> first, second;
   {
     const auto progress = make_progress(common);
+    const auto lay_over = [&](const SceneInput& scene, CellSize cell) {
+      if (!arguments.ground.drape.empty()) options.drape = ground_picture(drape_of(arguments.ground, scene.path, scene.geo, scene.size, common), cell);
+    };
+    lay_over(input, input.cell);
     first = make_renderer(input, input, options, *progress);
     if (!arguments.other.empty()) {
-      // The same height has the same colour in both.
+      // The same height, or slope, has the same colour in both.
+      options.steepest_deg = first->facts().steepest_deg;
       options.ramp_range_m = {first->facts().ramp_low_m, first->facts().ramp_high_m};
       options.exaggeration = first->facts().exaggeration;
+      // A mesh is placed in the cells of the first.
+      if (other.is_mesh()) lay_over(input, input.cell);
+      else lay_over(other, other.cell);
       second = make_renderer(other, input, options, *progress);
     }
   }
+  options.drape.reset();  // it is on the GPU
   terrains.first = first.get();
   terrains.second = second.get();
 
@@ -89,6 +100,7 @@ void add_view(CLI::App& app, std::shared_ptr<CommonOptions> common) {
   verb->add_option("IN", arguments->input, "The DEM, tree (.sct) or mesh (.ply...); H in the window prints its keys")->required();
   verb->add_option("OTHER", arguments->other, "Another of the same ground, DEM or mesh: drag the divider, Tab changes how both are shown");
   verb->add_option("--ramp", arguments->ramp, "Colours of the heights (default: land)")->check(CLI::IsMember(ramp_names()));
+  add_ground_options(verb, arguments->ground);
   verb->add_option("--exaggeration", arguments->exaggeration, "Heights are multiplied by this at first (default: by the steepness of the terrain)")
       ->check(above_zero());
   verb->add_option("--look-from", arguments->look_from_deg, "The camera stands in this direction at first, degrees clockwise from north (default: 200)")

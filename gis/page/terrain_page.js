@@ -211,7 +211,7 @@ async function start() {
   reach = Math.max(...corners.map(([x, y]) => Math.hypot(x, y)), 1e-6);
   common.lowest.value = lowest;
   common.base.value = -0.045 * reach;
-  common.interval.value = highest > lowest ? round125((highest - lowest) / 12) : 1;
+  common.interval.value = page.interval;
 
   const renderer = new THREE.WebGLRenderer({ canvas, context, alpha: true, antialias: true });
   renderer.setClearColor(0, 0);

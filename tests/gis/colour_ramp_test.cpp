@@ -45,6 +45,22 @@ TEST(ColourRamp, DifferencesAreLightestInTheMiddle) {
   EXPECT_GT(ramp.at(1)[0], ramp.at(1)[2]);
 }
 
+TEST(ColourRamp, SlopesDarkenAllTheWay) {
+  const ColourRamp ramp = slope_ramp();
+  for (int i = 0; i < 100; ++i) EXPECT_LT(lightness(ramp.at((i + 1) / 100.0)), lightness(ramp.at(i / 100.0)) + 0.002) << i;
+  EXPECT_GT(lightness(ramp.at(0)) - lightness(ramp.at(1)), 0.6);
+}
+
+TEST(ColourRamp, AspectsComeRoundAndNoneIsLighterThanTheOthers) {
+  const ColourRamp ramp = aspect_ramp();
+  EXPECT_EQ(ramp.at(0), ramp.at(1));
+  // To the roundness of 8 bits: no hue is cut off at the border of sRGB.
+  for (int i = 0; i < 100; ++i) EXPECT_NEAR(lightness(ramp.at(i / 100.0)), lightness(flat_colour()), 0.003) << i;
+  EXPECT_GT(ramp.at(0)[2], ramp.at(0)[0] + 60);      // north is blue
+  EXPECT_GT(ramp.at(0.25)[1], ramp.at(0.25)[0] + 40);  // east is green
+  EXPECT_GT(ramp.at(0.5)[0], ramp.at(0.5)[2] + 60);  // south is orange
+}
+
 TEST(ColourRamp, EveryNameIsKnownAndOthersAreRefused) {
   for (const std::string& name : ramp_names()) EXPECT_NO_THROW(named_ramp(name));
   EXPECT_EQ(ramp_names().front(), "land");

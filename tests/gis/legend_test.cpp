@@ -66,5 +66,24 @@ TEST(DrawLegend, WithoutARangeOrAScaleStillWorks) {
   EXPECT_GT(draw_legend(legend, named_ramp("grey"), 300).height(), 0);
 }
 
+TEST(StyleLegend, TellsWhatTheColoursAndLinesAre) {
+  Legend legend;
+  legend.title = "Elevation, 0 to 900 m";
+  style_legend(legend, {.colour = GroundColour::slope, .contour_interval_m = 50}, 45);
+  EXPECT_EQ(legend.title, "Slope in degrees (elevation 0 to 900 m)");
+  EXPECT_EQ(legend.high, 45);
+  EXPECT_EQ(legend.note, "contours every 50 m");
+  Legend directions;
+  style_legend(directions, {.colour = GroundColour::aspect}, 45);
+  ASSERT_EQ(directions.marks.size(), 5u);
+  EXPECT_EQ(directions.marks[1], (std::pair<double, std::string>{90, "E"}));
+  EXPECT_EQ(directions.swatches.size(), 1u);
+  Legend plain;
+  plain.high = 900;
+  style_legend(plain, {}, 45);
+  EXPECT_EQ(plain.high, 900);
+  EXPECT_TRUE(plain.note.empty());
+}
+
 }  // namespace
 }  // namespace arete

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 
 #include <gdal_utils.h>
 #include <gdal_priv.h>
@@ -37,6 +38,61 @@ TEST(DrawRelief, AMapOfOneToOneHasThePixelsOfTheRaster) {
   EXPECT_EQ(relief.picture.width(), 600);
   EXPECT_EQ(relief.picture.height(), 520);
   EXPECT_EQ(relief.metres_per_pixel, 30);
+}
+
+TEST(DrawRelief, AConeHasOneColourOfSlopeAndAllOfAspects) {
+  Raster<float> cells(1100, 1100);
+  for (std::int64_t y = 0; y < 1100; ++y)
+    for (std::int64_t x = 0; x < 1100; ++x) cells(x, y) = static_cast<float>(9000 - 5 * std::hypot(static_cast<double>(x - 550), static_cast<double>(y - 550)));
+  ReliefOptions options;
+  options.azimuth_deg = 315;
+  options.exaggeration = 1e-6;  // even light
+  options.style.colour = GroundColour::slope;
+  const double steep = std::atan(0.5) * 180 / M_PI;
+  const Picture slopes = relief_of(cells, options, {10, 10}).picture;
+  options.style.colour = GroundColour::aspect;
+  const Picture aspects = relief_of(cells, options, {10, 10}).picture;
+  for (int degrees = 0; degrees < 360; degrees += 10) {
+    const auto x = std::llround(550 + 400 * std::sin(degrees * M_PI / 180)), y = std::llround(550 - 400 * std::cos(degrees * M_PI / 180));
+    for (std::size_t c = 0; c < 3; ++c) {
+      EXPECT_NEAR(slopes(x, y)[c], slope_ramp().at(steep / slope_scale_deg(steep))[c], 2) << degrees;
+      EXPECT_NEAR(aspects(x, y)[c], aspect_ramp().at(degrees / 360.0)[c], 4) << degrees;
+    }
+  }
+}
+
+TEST(DrawRelief, FlatGroundIsGreyWhereAspectsAreColoured) {
+  Raster<float> cells = hills(100, 100);
+  for (std::int64_t y = 30; y < 60; ++y)
+    for (std::int64_t x = 30; x < 60; ++x) cells(x, y) = 480;
+  ReliefOptions options;
+  options.style.colour = GroundColour::aspect;
+  const Picture picture = relief_of(cells, options).picture;
+  const Colour grey = picture(picture.width() * 45 / 100, picture.height() * 45 / 100);
+  EXPECT_EQ(grey[0], grey[1]);
+  EXPECT_EQ(grey[1], grey[2]);
+}
+
+TEST(DrawRelief, ARasterLiesOverTheMapWhereItHasData) {
+  const Raster<float> cells = hills(600, 520);
+  const std::string file = testing::TempDir() + "/arete_cover.png";
+  // Of the proportions of the map: red, from its middle on transparent.
+  Picture cover(300, 260, {230, 20, 20, 255});
+  fill(cover, {150, 0, 150, 260}, {0, 0, 0, 0});
+  write_picture(file, cover, true);
+  const Picture plain = relief_of(cells).picture;
+  ReliefOptions options;
+  options.cover = ReliefCover{file, {"hills", {}, {600, 520}}};
+  const Picture covered = relief_of(cells, options).picture;
+  options.threads = 1;
+  const Picture again = relief_of(cells, options).picture;
+  std::filesystem::remove(file);
+  for (std::int64_t y = 0; y < 520; ++y)
+    for (std::int64_t x = 0; x < 600; ++x) {
+      ASSERT_EQ(covered(x, y), again(x, y));
+      if (x < 298) { ASSERT_GT(covered(x, y)[0], 2 * covered(x, y)[1]) << x << ", " << y; }
+      if (x > 301) { ASSERT_EQ(covered(x, y), plain(x, y)) << x << ", " << y; }
+    }
 }
 
 TEST(DrawRelief, PixelsAreSquareOnTheGround) {

@@ -11,6 +11,7 @@
 
 #include "core/support/error.h"
 #include "core/support/random.h"
+#include "core/terrain/ground_style.h"
 #include "gis/html_text.h"
 
 namespace arete {
@@ -65,7 +66,9 @@ TEST_F(WriteTerrainPage, TextsNeitherEndElementsNorFillInTheTemplate) {
   const std::string html = read(path("a.html"));
   EXPECT_THAT(html, Not(HasSubstr("alert(1)</script>")));
   EXPECT_THAT(html, HasSubstr("<title>&lt;/script&gt;&lt;script&gt;alert(1)&lt;/script&gt;&amp;&quot;'&lt;!-- @THREE@ @STYLE@</title>"));
-  EXPECT_EQ(nlohmann::json::parse(content(html, "page"))["terrains"][0]["name"], name);
+  const auto data = nlohmann::json::parse(content(html, "page"));
+  EXPECT_EQ(data["terrains"][0]["name"], name);
+  EXPECT_EQ(data["interval"], contour_interval(2000));
 }
 
 TEST_F(WriteTerrainPage, BytesThatAreNoUtf8DoNotSpoilThePage) {

@@ -149,6 +149,11 @@ TEST(ViewControls, TheSunStaysInTheSky) {
   EXPECT_DOUBLE_EQ(sun.elevation_deg, 2);
 }
 
+TEST(ViewControls, TheColoursComeRound) {
+  GroundColour colour = GroundColour::height;
+  for (const GroundColour next : {GroundColour::slope, GroundColour::aspect, GroundColour::height}) EXPECT_EQ(colour = next_colour(colour), next);
+}
+
 TEST(ViewControls, TheLayoutsComeRoundAndTheDividerStaysInside) {
   ViewLayout layout = ViewLayout::side_by_side;
   for (const ViewLayout next : {ViewLayout::swipe, ViewLayout::first, ViewLayout::second, ViewLayout::side_by_side}) EXPECT_EQ(layout = next_layout(layout), next);

@@ -99,6 +99,46 @@ TEST_F(PreviewPerspective, EveryStyleIsAPictureOfItsOwn) {
   EXPECT_EQ(bytes.size(), 3u);
 }
 
+TEST_F(PreviewPerspective, ColoursAndContoursMakeAnotherPicture) {
+  std::set<std::string> bytes;
+  for (const char* options : {"", "--colour slope", "--colour aspect", "--contours", "--contours 500", "--colour slope --contours"}) {
+    ASSERT_EQ(draw("s.png", std::string("--no-legend ") + options).code, 0) << options;
+    bytes.insert(read(path("s.png")));
+  }
+  EXPECT_EQ(bytes.size(), 6u);
+  EXPECT_EQ(nlohmann::json::parse(draw("s.png", "--contours 500 --json").out)["contour_interval_m"], 500);
+}
+
+TEST_F(PreviewPerspective, LaysARasterOverTheGround) {
+  // Its own map, which has the proportions of the DEM; and the DEM itself as numbers.
+  ASSERT_EQ(run("preview " + dem_ + " " + path("map.png") + " --no-legend --ramp viridis").code, 0);
+  std::set<std::string> bytes;
+  for (const std::string& drape : {std::string(), " --drape " + path("map.png"), " --drape " + dem_}) {
+    for (const char* view : {" --view perspective --size 320x200", " --view top"}) {
+      const Outcome outcome = run("preview " + dem_ + " " + path("d.png") + " --overwrite" + view + drape);
+      ASSERT_EQ(outcome.code, 0) << outcome.err;
+      bytes.insert(read(path("d.png")));
+    }
+  }
+  EXPECT_EQ(bytes.size(), 6u);
+  Raster<float> cells(10, 10, 5.0f);
+  GeoReference geo;
+  geo.transform = {900000, 30, 0, 4600000, 0, -30};
+  geo.crs_wkt = crs_wkt("EPSG:32633");
+  DemWriter writer(path("far.tif"), {10, 10}, geo);
+  writer.write(0, {0, 0, 10, 10}, cells.view());
+  writer.commit();
+  const std::size_t before = entries();
+  for (const char* view : {"--view perspective", "--view top"}) {
+    const Outcome far = run("preview " + dem_ + " " + path("no.png") + " " + view + " --drape " + path("far.tif"));
+    EXPECT_EQ(far.code, 3);
+    EXPECT_EQ(far.error_lines(), 1) << far.err;
+    EXPECT_NE(far.err.find("share no ground"), std::string::npos) << far.err;
+  }
+  EXPECT_EQ(run("preview " + dem_ + " " + path("no.png") + " --view profile --drape " + dem_).code, 2);
+  EXPECT_EQ(entries(), before);
+}
+
 TEST_F(PreviewPerspective, HasTheSameBytesForAnyNumberOfThreads) {
   std::set<std::string> bytes;
   for (const char* threads : {"0", "1", "2"}) {
@@ -235,7 +275,7 @@ TEST_F(PreviewPerspective, TheScaleBarIsTrueAtTheTarget) {
 
 TEST_F(PreviewPerspective, RefusesInOneLineAndWritesNothing) {
   const std::size_t before = entries();
-  for (const char* options : {"--size 10x10", "--size 320", "--size 20000x100", "--pitch 0", "--fov 0", "--style blue", "--distance -1",
+  for (const char* options : {"--size 10x10", "--size 320", "--size 20000x100", "--pitch 0", "--fov 0", "--style blue", "--style levels --contours", "--distance -1",
                               "--look-at 500000", "--look-at 499000,4599000", "--eye 501000,4599000,+50 --pitch 20", "--eye 501000,4599000,-4000",
                               "--look-at 501000,4599000,-900 --distance 100", "--turntable 1",
                               "--turntable 4 --eye 501000,4599000,+50", "--turntable 4 --pitch 90"}) {

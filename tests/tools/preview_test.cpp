@@ -110,6 +110,29 @@ TEST_F(PreviewVerb, RefusesOptionsOfOtherViews) {
   refused("a.html", "--no-wireframe", "--no-wireframe is not for pages (.html), but for --view top");
 }
 
+TEST_F(PreviewVerb, ColoursAndContoursMakeAnotherMap) {
+  const auto map = [&](const std::string& name, const std::string& options) {
+    EXPECT_EQ(preview(path("hill.asc") + " " + path(name) + " --no-legend --json " + options), 0) << text("err");
+    return text(name);
+  };
+  const std::string plain = map("a.png", ""), contours = map("b.png", "--contours"), every = map("c.png", "--contours 20");
+  const auto data = nlohmann::json::parse(text("out"));
+  EXPECT_EQ(data["contour_interval_m"], 20);
+  EXPECT_EQ(map("h.png", "--colour height"), plain);
+  EXPECT_EQ(map("auto.png", "--contours auto"), contours);
+  EXPECT_EQ(nlohmann::json::parse(text("out"))["contour_interval_m"], 2);
+  EXPECT_NE(contours, plain);
+  EXPECT_NE(every, contours);
+  EXPECT_NE(map("s.png", "--colour slope"), map("d.png", "--colour aspect"));
+  for (const char* options : {"--colour red", "--contours -5", "--contours 0", "--contours 10m", "--contours nan", "--view profile --contours", "--view profile --colour slope"}) {
+    EXPECT_EQ(preview(path("hill.asc") + " " + path("no.png") + " " + options), 2) << options;
+    const std::string err = text("err");
+    EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+  }
+  EXPECT_EQ(preview(path("hill.asc") + " " + path("no.html") + " --contours"), 2);
+  EXPECT_FALSE(fs::exists(path("no.png")));
+}
+
 TEST_F(PreviewVerb, DrawsATree) {
   ASSERT_EQ(WEXITSTATUS(std::system((std::string(ARETE_TOOL) + " compress " + path("hill.asc") + " " + path("hill.sct") + " --lossless --quiet > " + path("out")).c_str())), 0);
   EXPECT_EQ(preview(path("hill.sct") + " " + path("tree.png")), 0) << text("err");

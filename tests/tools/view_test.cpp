@@ -87,6 +87,19 @@ TEST_F(View, KeysAndMouseChangeThePictureAndEscEnds) {
   EXPECT_NE(outcome.err.find("exaggerate"), std::string::npos);
 }
 
+TEST_F(View, KeysChangeHowTheGroundIsColoured) {
+  if (!can_show()) GTEST_SKIP() << missing_;
+  ASSERT_EQ(run("preview " + dem_ + " " + path("map.png") + " --no-legend --ramp viridis").code, 0);
+  const Outcome outcome = act("dem.tif --colour slope --drape map.png", "xdotool key o\nshot 1\nxdotool key g\nshot 2\nxdotool key g\nshot 3\nxdotool key k\nshot 4\nxdotool key k key g\nshot 5\nxdotool key o\nshot 6\nxdotool key h\nsleep 0.3\nxdotool key Escape");
+  ASSERT_EQ(outcome.code, 0) << outcome.err;
+  EXPECT_GT(difference(shot(1), shot(2)), 0.2) << "aspects";
+  EXPECT_GT(difference(shot(2), shot(3)), 0.2) << "heights";
+  EXPECT_GT(difference(shot(3), shot(4)), 0.02) << "contours";
+  EXPECT_LT(difference(shot(1), shot(5)), 0.001) << "slopes again";
+  EXPECT_GT(difference(shot(5), shot(6)), 0.2) << "the drape";
+  EXPECT_NE(outcome.err.find("aspects; contours; "), std::string::npos);
+}
+
 TEST_F(View, TwoTerrainsShareTheWindow) {
   if (!can_show()) GTEST_SKIP() << missing_;
   write_mountains("other.tif", {150, 120}, 2);
