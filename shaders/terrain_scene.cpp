@@ -15,9 +15,9 @@ namespace {
 
 constexpr std::int64_t longest_overview = 1024;
 
-/// Looks at the level that is about as large as the overview.
+/// Looks at the level that is about as large as the overview, or the base.
 SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& overview) {
-  int level = 0;
+  int level = pyramid.base();
   while (level + 1 < pyramid.levels() && std::max(pyramid.size(level).width, pyramid.size(level).height) > longest_overview) ++level;
   const Size size = pyramid.size(level);
   Raster<TerrainSample> samples(size.width, size.height);

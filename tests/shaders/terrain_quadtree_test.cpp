@@ -11,6 +11,7 @@
 
 #include "core/synthesis/mountains.h"
 #include "core/terrain/fill_voids.h"
+#include "tests/shaders/source_with_levels.h"
 
 namespace arete {
 namespace {
@@ -86,6 +87,30 @@ TEST(SamplePyramid, KnowsWaterAndVoids) {
       EXPECT_EQ(samples(x, y).valid, x == 3 && y == 3 ? 0 : 1);
     }
   EXPECT_EQ(samples(3, 3).height, 5);
+}
+
+TEST(SamplePyramid, TakesLevelsOfTheSourceThatHasThem) {
+  const SourceWithLevels source(synthesize_mountains({501, 333}, {.seed = 6}), 5);
+  NoProgress progress;
+  Overview overview = make_overview(source, 2, 2, 1, progress);
+  fill_voids(overview.cells.view());
+  source.reads.fill(0);
+  const SamplePyramid pyramid(source, overview, 1 << 30, 12000, 2, progress);
+  ASSERT_EQ(pyramid.base(), 2);  // 126 x 84 cells
+  EXPECT_EQ(source.reads[0] + source.reads[1], 0);
+  for (const int level : {0, 1, 2, 4}) {
+    Raster<TerrainSample> samples(9, 7);
+    pyramid.read(level, {3, 2, 9, 7}, samples.view());
+    for (std::int64_t y = 0; y < 7; ++y)
+      for (std::int64_t x = 0; x < 9; ++x) {
+        // Above the base, samples of the base.
+        const int from = std::min(level, 2);
+        const std::int64_t column = std::min<std::int64_t>((3 + x) << (level - from), source.level_size(from).width - 1);
+        const std::int64_t row = std::min<std::int64_t>((2 + y) << (level - from), source.level_size(from).height - 1);
+        ASSERT_EQ(samples(x, y).height, source.height(from, column, row)) << level;
+        if (level <= 2) { ASSERT_EQ(samples(x, y).smooth, samples(x, y).height); }
+      }
+  }
 }
 
 TEST(TerrainQuadtree, APlaneHasNoError) {

@@ -13,6 +13,7 @@
 #include "tests/data.h"
 #include "tests/shaders/count_holes.h"
 #include "tests/shaders/gl_fixture.h"
+#include "tests/shaders/source_with_levels.h"
 
 namespace arete {
 namespace {
@@ -103,6 +104,52 @@ TEST_F(TerrainRendererTest, PatchesMeetWithoutCracks) {
     EXPECT_GT(count_open_sides(*renderer, crack(patches), size), 50) << distance;
   }
   EXPECT_GE(levels.size(), 2u);
+}
+
+TEST_F(TerrainRendererTest, LevelsOfTheSourceAreReadWhereTheyAreSeen) {
+  const Size size{1500, 1100};
+  const SourceWithLevels source(synthesize_mountains(size, {.seed = 15}), 6);
+  SceneOptions options;
+  options.measured_cells = 30000;  // level 3, of 188 x 138 cells
+  const auto renderer = render(source, options);
+  EXPECT_EQ(source.reads[0] + source.reads[1] + source.reads[2], 0);
+  // From afar nothing finer is needed.
+  renderer->draw(orbit_camera({22000, -16000, 1000}, 200, 40, 400000, 30), {300, 200});
+  EXPECT_EQ(source.reads[0] + source.reads[1] + source.reads[2], 0);
+  // Close by some of the finest, but not all.
+  const Camera close = orbit_camera({22000, -16000, 1000}, 200, 50, 3000, 40);
+  renderer->draw(close, {600, 400});
+  EXPECT_GT(source.reads[0], 1000);
+  EXPECT_LT(source.reads[0], size.cells() / 4);
+  // Every vertex is a sample of the level that it is drawn from, or of the next coarser one at the side it shares with it.
+  const Camera wide = orbit_camera({22000, -16000, 1000}, 230, 90, 2500, 170);
+  const auto patches = renderer->select(wide, {250, 250});
+  const auto vertices = renderer->evaluate(patches);
+  std::size_t next = 0;
+  std::set<std::int32_t> levels;
+  std::int64_t shared = 0;
+  for (const TerrainPatch& patch : patches) {
+    if (patch.side == 0 && patch.level < 3) levels.insert(patch.level);
+    const std::size_t first = next;
+    next += static_cast<std::size_t>(3 * count_triangles(patch));
+    // At the border levels end where they have a cell.
+    if (patch.side != 0 || patch.x > 1300 || patch.y > 900) continue;
+    for (std::size_t i = first; i < next; ++i) {
+      const auto& v = vertices[i];
+      const auto x = static_cast<std::int64_t>(v[0]), y = static_cast<std::int64_t>(v[1]);
+      const int level = std::min(patch.level, 3);
+      const bool own = v[2] == source.height(level, x >> level, y >> level);
+      const bool above = patch.from_above != 0 && v[2] == source.height(level + 1, x >> (level + 1), y >> (level + 1));
+      ASSERT_TRUE(own || above) << patch.level << ": " << x << ", " << y << ", " << v[2];
+      shared += above;
+    }
+  }
+  EXPECT_EQ(levels.size(), 3u);
+  EXPECT_GT(shared, 100);
+  EXPECT_EQ(count_open_sides(*renderer, patches, size), 0);
+  std::vector<TerrainPatch> apart = patches;
+  for (TerrainPatch& patch : apart) patch.from_above = 0;
+  EXPECT_GT(count_open_sides(*renderer, apart, size), 50);
 }
 
 TEST_F(TerrainRendererTest, NoPixelShowsThroughFromFiftyCameras) {

@@ -37,6 +37,8 @@ constexpr Reference references[] = {
     {"top-grey", "dem.tif", "--width 240 --no-legend --ramp grey"},
     {"top-mesh", "mesh.ply", "--width 240 --no-legend"},
     {"top-mesh-no-wireframe", "mesh.ply", "--width 240 --no-legend --no-wireframe"},
+    {"top-slope-contours", "dem.tif", "--width 240 --colour slope --contours=auto"},
+    {"top-aspect", "dem.tif", "--width 240 --colour aspect"},
     {"profile", "dem.tif", "--view profile --width 500"},
     {"profile-line", "dem.tif", "--view profile --width 500 --line 500200,4599900,503000,4598300 --exaggeration 0.5 --ramp hypsometric"},
     {"perspective", "dem.tif", "--view perspective --size 320x102"},
@@ -49,6 +51,11 @@ constexpr Reference references[] = {
     {"perspective-exaggeration", "dem.tif", "--view perspective --size 240x150 --no-legend --exaggeration 2 --ramp viridis"},
     {"perspective-wireframe", "dem.tif", "--view perspective --size 240x150 --no-legend --style wireframe --pixel-error 8"},
     {"perspective-levels", "dem.tif", "--view perspective --size 240x150 --style levels"},
+    {"perspective-slope-contours", "dem.tif", "--view perspective --size 320x102 --colour slope --contours=100"},
+    {"perspective-aspect", "dem.tif", "--view perspective --size 320x102 --colour aspect"},
+    {"perspective-drape", "dem.tif", "--view perspective --size 240x150 --no-legend --drape FOLDER/squares.tif"},
+    {"perspective-mesh", "mesh.ply", "--view perspective --size 240x150 --no-legend"},
+    {"perspective-mesh-wireframe", "mesh.ply", "--view perspective --size 240x150 --no-legend --style wireframe --colour slope"},
 };
 
 /// What is kept of a picture.
@@ -83,6 +90,14 @@ class PreviewPictures : public VerbFixture, public testing::WithParamInterface<R
     DemWriter writer(path("dem.tif"), size, geo);
     writer.write(0, {0, 0, size.width, size.height}, cells.view());
     writer.commit();
+    // Squares of 300 m on the eastern two thirds, for --drape.
+    Raster<float> squares(80, 60);
+    for (std::int64_t y = 0; y < 60; ++y)
+      for (std::int64_t x = 0; x < 80; ++x) squares(x, y) = static_cast<float>((x / 10 + y / 10) % 3);
+    geo.transform = {500000 + 40 * 30, 30, 0, 4600000, 0, -30};
+    DemWriter over(path("squares.tif"), {80, 60}, geo);
+    over.write(0, {0, 0, 80, 60}, squares.view());
+    over.commit();
   }
 
   /// Draws a reference with further options, and one of its own replaced, into the test's folder; false where there is no OpenGL to draw it with.
@@ -92,6 +107,7 @@ class PreviewPictures : public VerbFixture, public testing::WithParamInterface<R
     if (!instead.first.empty()) options.replace(options.find(instead.first), instead.first.size(), instead.second);
     const bool one_of_many = options.find("--turntable") != std::string::npos;
     const std::string stem = one_of_many ? name.substr(0, name.size() - turntable.size()) : name;
+    if (const auto at = options.find("FOLDER"); at != std::string::npos) options.replace(at, 6, path(""));
     if (std::string(reference.input) == "mesh.ply") {
       const Outcome mesh = run("tin " + path("dem.tif") + " " + path("mesh.ply") + " --max-error 15");
       EXPECT_EQ(mesh.code, 0) << mesh.err;
