@@ -46,8 +46,10 @@ void draw_contours(Picture& map, RasterView<const float> heights, RasterView<con
       const double height = (a * (1 - s) + b * s) * (1 - t) + (c * (1 - s) + d * s) * t;
       if (std::isnan(height)) continue;
       const double level = height / interval_m + aside;
-      const double change =
-          std::hypot(((b - a) * (1 - t) + (d - c) * t) * across, ((c - a) * (1 - s) + (d - b) * s) * down) / interval_m;
+      // Between the outermost centres and the border heights go on level.
+      const double east = u == column - 0.5 ? ((b - a) * (1 - t) + (d - c) * t) * across : 0;
+      const double south = v == row - 0.5 ? ((c - a) * (1 - s) + (d - b) * s) * down : 0;
+      const double change = std::hypot(east, south) / interval_m;
       const double share = opacity * std::max(line_share(level, change, thin_px), line_share(level / 5, change / 5, thick_px));
       Colour& pixel = map(x, y);
       for (std::size_t i = 0; i < 3; ++i)

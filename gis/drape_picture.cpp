@@ -38,7 +38,7 @@ struct Raw {
 Raw open_bands(const std::string& path, const Placed& dem) {
   const GdalErrors errors;
   Raw raw;
-  raw.file.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY));
+  raw.file.reset(GDALDataset::Open(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR));
   if (!raw.file || raw.file->GetRasterCount() == 0) fail(path, dem, "it cannot be read as a raster" + errors.suffix());
   int of[3] = {1, 2, 3}, alpha = 0;
   const int count = raw.file->GetRasterCount();

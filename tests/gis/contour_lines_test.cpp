@@ -91,6 +91,13 @@ TEST(DrawContours, LevelGroundWaterAndVoidsHaveNone) {
   EXPECT_GT(dark, 60);
 }
 
+TEST(DrawContours, ACornerThatIsLevelAtAMultipleHasNoSpot) {
+  // 101 m in the first cell's centre, and so in its outer quarter.
+  const Picture map = contours_of(plane({12, 10}), {12 * 16, 10 * 16}, 101);
+  for (std::int64_t y = 0; y < 7; ++y)
+    for (std::int64_t x = 0; x < 7; ++x) ASSERT_EQ(map(x, y), paper) << x << ", " << y;
+}
+
 TEST(DrawContours, TheSamePictureForAnyNumberOfThreadsAndForOneCell) {
   const Raster<float> cells = plane({50, 70});
   const Picture one = contours_of(cells, {150, 210}, 10, 1), four = contours_of(cells, {150, 210}, 10, 4);
