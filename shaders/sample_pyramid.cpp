@@ -95,7 +95,8 @@ SamplePyramid::SamplePyramid(const RasterSource& source, const Overview& overvie
   for (int level = first; level < count; ++level) {
     const Size cells = size(level);
     Raster<TerrainSample> made(cells.width, cells.height);
-    constexpr std::int64_t side = 64;
+    // What is read of the source at once is as large as its tiles are.
+    const std::int64_t side = std::max<std::int64_t>(64, 512 >> level);
     const std::int64_t across = (cells.width + side - 1) / side, down = (cells.height + side - 1) / side;
     progress.begin(level == first ? "reading" : "reducing", across * down);
     std::mutex reporting;

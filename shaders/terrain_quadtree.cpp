@@ -126,7 +126,7 @@ QuadtreeNode merge(const Raster<QuadtreeNode>& finer, int level, std::int64_t x,
 }
 
 /// Cells aside of the blocks that are read, and the levels whose nodes fit in one.
-constexpr int block_levels = 6;
+constexpr int block_levels = 7;
 constexpr std::int64_t block_cells = std::int64_t{node_cells} << (block_levels - 1);
 /// Every so many cells a sample is kept for the levels above.
 constexpr std::int64_t kept_step = std::int64_t{1} << block_levels;

@@ -38,7 +38,7 @@ Size nodes_of(const TerrainQuadtree& tree, int level);
 QuadtreeNode node_at(const TerrainQuadtree& tree, int level, std::int64_t x, std::int64_t y);
 
 /// Spacings of up to 16 cells are measured against every sample; wider ones are too against the samples of a node's own level, plus the error of
-/// these. Reads every sample of the pyramid's base once, by blocks of 512 x 512. Memory: 16 bytes per 192 cells, and 4 MB a thread.
+/// these. Reads every sample of the pyramid's base once, by blocks of 1024 x 1024. Memory: 16 bytes per 192 cells, and 10 MB a thread.
 TerrainQuadtree build_quadtree(const SamplePyramid& pyramid, int threads, Progress& progress);
 
 /// A quad to be tessellated: a node with segments per side, powers of two from 1 to 16.

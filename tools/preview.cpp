@@ -98,6 +98,7 @@ Relief draw_mesh_file(const PreviewArguments& arguments, const ReliefOptions& re
 }
 
 void run_preview(const PreviewArguments& arguments, const CommonOptions& common) {
+  limit_block_cache(common.memory_bytes / 4);
   check_options(arguments);
   if (arguments.kind() == profile) {
     if (is_mesh_file(arguments.input)) throw Error(ErrorKind::usage, "profiles are drawn of DEMs and trees, not of meshes: '" + arguments.input + "'");

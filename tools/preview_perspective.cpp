@@ -207,7 +207,7 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   CameraPlaces places;
   if (!input.is_mesh()) places = find_places(arguments.camera, ground);
   const auto progress = make_progress(common);
-  SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 2);
+  SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 3);
   scene.sun_azimuth_deg = arguments.sun_azimuth_deg + grid_north_deg(ground);
   scene.supersampling = 2;
   scene.style = ground_style(arguments.ground);

@@ -93,6 +93,7 @@ std::vector<Place> cells_of(std::vector<Place> places, const GeoReference& geo, 
 }
 
 void run_sample(const SampleArguments& arguments, const CommonOptions& common) {
+  limit_block_cache(common.memory_bytes / 4);
   const ElevationInput input = open_elevations(arguments.input, arguments.dem, common.threads);
   const std::vector<Place> places = places_of(arguments);
   const std::vector<Place> cells = cells_of(places, input.geo, arguments);

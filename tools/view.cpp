@@ -45,6 +45,7 @@ void save_picture(const Frame& frame, const std::string& input, const CommonOpti
 }
 
 void run_view(const ViewArguments& arguments, const CommonOptions& common) {
+  limit_block_cache(common.memory_bytes / 4);
   require_display();
   SceneInput input = open_scene(arguments.input, arguments.dem, common), other;
   ViewedTerrains terrains;
@@ -52,7 +53,7 @@ void run_view(const ViewArguments& arguments, const CommonOptions& common) {
     other = open_scene(arguments.other, arguments.dem, common);
     terrains.offset_m = offset_between(input, other);
   }
-  SceneOptions options = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, arguments.other.empty() ? 2 : 4);
+  SceneOptions options = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, arguments.other.empty() ? 3 : 6);
   options.style = ground_style(arguments.ground);
   std::unique_ptr<SceneRenderer> first, second;
   {

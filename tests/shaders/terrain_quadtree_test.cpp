@@ -150,7 +150,7 @@ TEST(TerrainQuadtree, ErrorsBoundWhatCoarseSamplesMiss) {
 }
 
 TEST(TerrainQuadtree, IsTheSameByBlocksOfAnySize) {
-  // Nodes above those of a block of 512 cells come from samples kept apart; of a part of the terrain that fits in one block they do not.
+  // Nodes above those of a block of 1024 cells come from samples kept apart; of a part of the terrain that fits in one block they do not.
   const Terrain large(synthesize_mountains({1100, 700}, {.seed = 8}));
   Raster<float> corner(513, 513);
   for (std::int64_t y = 0; y < 513; ++y)
