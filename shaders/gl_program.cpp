@@ -37,9 +37,11 @@ std::string whole_text(const std::string& name) {
   return whole;
 }
 
-GLuint compile(const std::string& name) {
+GLuint compile(const std::string& name, const std::string& defined) {
   const GLuint shader = glCreateShader(stage_of(name));
-  const std::string source = whole_text(name);
+  std::string source = whole_text(name);
+  // After the line that says the version.
+  if (!defined.empty()) source.insert(source.find('\n') + 1, "#define " + defined + "\n");
   const char* text = source.c_str();
   glShaderSource(shader, 1, &text, nullptr);
   glCompileShader(shader);
@@ -55,10 +57,10 @@ GLuint compile(const std::string& name) {
 
 }  // namespace
 
-unsigned link_program(const std::vector<std::string>& stages, const std::vector<const char*>& captured) {
+unsigned link_program(const std::vector<std::string>& stages, const std::vector<const char*>& captured, const std::string& defined) {
   const GLuint program = glCreateProgram();
   for (const std::string& name : stages) {
-    const GLuint shader = compile(name);
+    const GLuint shader = compile(name, defined);
     glAttachShader(program, shader);
     glDeleteShader(shader);
   }

@@ -1,4 +1,5 @@
 // How ground is coloured: by heights, slopes or aspects, with contours and a picture over it. Follows light.glsl and samples.glsl.
+// PLAIN: by heights alone. Software drivers run what a uniform turns off, and throw it away.
 uniform sampler1DArray ramps;     // colours of heights, slopes and aspects, linear
 uniform vec2 ramp_range;         // lowest height and 1 / span
 uniform int coloured;            // 0: heights, 1: slopes, 2: aspects
@@ -21,11 +22,15 @@ const float line_opacity = 0.75;
 
 // Slope: rise per metre to the east and to the north, without exaggeration.
 vec3 land_colour(float height, vec2 slope) {
+#ifdef PLAIN
+  return textureLod(ramps, vec2((height - ramp_range.x) * ramp_range.y, 0.0), 0.0).rgb;
+#else
   if (coloured == 0) return textureLod(ramps, vec2((height - ramp_range.x) * ramp_range.y, 0.0), 0.0).rgb;
   float steep = degrees(atan(length(slope))) * slope_scale;
   if (coloured == 1) return textureLod(ramps, vec2(steep, 1.0), 0.0).rgb;
   float turn = slope == vec2(0.0) ? 0.0 : atan(-slope.x, -slope.y) / radians(360.0);  // downhill, clockwise from north
   return mix(flat_colour, textureLod(ramps, vec2(fract(turn), 2.0), 0.0).rgb, smoothstep(facing.x, facing.y, steep));
+#endif
 }
 
 // How far away on the plane through a point of the ground the pixels to the right and above see it: east, north. `ahead`: how far ahead the point is.
@@ -79,7 +84,10 @@ vec3 add_drape(vec3 shade, vec2 at, vec3 normal, vec2 open, mat2 steps) {
 vec3 land_shade(float height, vec2 slope, vec3 normal, vec2 open) {
   vec3 land = land_colour(height, slope), shade = lit(land, normal, open);
   // Slopes and aspects are told by the colours: the light tells less.
-  return coloured != 0 ? mix(shade, lit(land, vec3(0, 0, 1), vec2(1.0)), 0.4) : shade;
+#ifndef PLAIN
+  if (coloured != 0) shade = mix(shade, lit(land, vec3(0, 0, 1), vec2(1.0)), 0.4);
+#endif
+  return shade;
 }
 
 vec3 water_shade(vec3 from_eye) {
@@ -91,8 +99,11 @@ vec3 water_shade(vec3 from_eye) {
 
 // What lies over the ground at a column and row: the picture, and contours but for water.
 vec3 add_marks(vec3 shade, float height, vec2 slope, vec3 normal, vec2 open, vec2 at, float wet, vec3 from_eye, float ahead) {
+#ifndef PLAIN
   if (!draped && contours == 0.0) return shade;
   mat2 steps = pixel_steps(from_eye, ahead, normal);
   if (draped) shade = add_drape(shade, at, normal, open, steps);
-  return contours > 0.0 ? mix(add_contours(shade, height, slope, steps), shade, wet) : shade;
+  if (contours > 0.0) shade = mix(add_contours(shade, height, slope, steps), shade, wet);
+#endif
+  return shade;
 }

@@ -49,6 +49,7 @@ struct TerrainRenderer::Impl {
     holed = link_program({"terrain.vert", "terrain.tesc", "terrain.tese", "holed.frag"});
     capture = link_program({"terrain.vert", "terrain.tesc", "terrain.tese"}, {"sample_height"});
     surface = link_program({"screen.vert", "surface.frag"});
+    plain_surface = link_program({"screen.vert", "surface.frag"}, {}, "PLAIN");
     light = make_light_texture(scene->light);
     ramp = make_ramp_texture(options);
     if (options.drape) drape = make_drape_texture(*options.drape, surface, options.threads);
@@ -60,7 +61,7 @@ struct TerrainRenderer::Impl {
   }
   ~Impl() {
     context.make_current();
-    for (const GLuint program : {whole, holed, capture, surface}) glDeleteProgram(program);
+    for (const GLuint program : {whole, holed, capture, surface, plain_surface}) glDeleteProgram(program);
     const GLuint textures[] = {light, ramp, drape};
     glDeleteTextures(3, textures);
     glDeleteBuffers(1, &patch_buffer);
@@ -84,7 +85,7 @@ struct TerrainRenderer::Impl {
 
   void set_ground() const {
     const TerrainPlacement& at = scene->placement;
-    for (const GLuint program : {whole, holed, capture, surface}) {
+    for (const GLuint program : {whole, holed, capture, surface, plain_surface}) {
       set_int(program, "heights", 0);
       set_int(program, "last", scene->tree.size.width - 1, scene->tree.size.height - 1);
       for (const char* name : {"cell", "drape_cell"}) set(program, name, at.cell.x_m, at.cell.y_m);
@@ -95,11 +96,13 @@ struct TerrainRenderer::Impl {
 
   void set_colours() const {
     const char* const units[] = {"seen", "depths", "shapes", "light", "ramps", "drape"};
-    for (int i = 0; i < 6; ++i) set_int(surface, units[i], i);
     const Overview& overview = scene->overview;
     const std::int64_t columns = overview.across * overview.cells.width(), rows = overview.down * overview.cells.height();
-    set(surface, "light_scale", 1 / static_cast<double>(columns), 1 / static_cast<double>(rows));
-    set_scene_light(surface, scene->facts, options);
+    for (const GLuint program : {surface, plain_surface}) {
+      for (int i = 0; i < 6; ++i) set_int(program, units[i], i);
+      set(program, "light_scale", 1 / static_cast<double>(columns), 1 / static_cast<double>(rows));
+      set_scene_light(program, scene->facts, options);
+    }
   }
 
   void set_style(const GroundStyle& style) { options.style = set_ground_style(surface, style, scene->facts, drape != 0); }
@@ -112,13 +115,15 @@ struct TerrainRenderer::Impl {
   void set_camera(const Camera& camera, DrawMode mode) const {
     const CellSize cell = scene->placement.cell;
     const double column = camera.eye[0] / cell.x_m, row = -camera.eye[1] / cell.y_m;
-    for (const GLuint program : {whole, holed, capture, surface}) {
+    for (const GLuint program : {whole, holed, capture, surface, plain_surface}) {
       set_int(program, "eye_sample", std::llround(std::floor(column)), std::llround(std::floor(row)));
       set(program, "eye_part", column - std::floor(column), row - std::floor(row));
       set(program, "eye_height", camera.eye[2]);
     }
-    set_haze(surface, box(), camera.eye, options.haze);
-    set_int(surface, "mode", mode == DrawMode::coverage ? 2 : mode == DrawMode::levels ? 1 : 0);
+    for (const GLuint program : {surface, plain_surface}) {
+      set_haze(program, box(), camera.eye, options.haze);
+      set_int(program, "mode", mode == DrawMode::coverage ? 2 : mode == DrawMode::levels ? 1 : 0);
+    }
   }
 
   void load_vertices(std::span<const TerrainPatch> patches, const std::vector<TileCache::Place>& places, std::span<const std::size_t> order) {
@@ -174,7 +179,9 @@ struct TerrainRenderer::Impl {
     glBindTextureUnit(4, ramp);
     glBindTextureUnit(5, drape);
     glDisable(GL_DEPTH_TEST);
-    glUseProgram(surface);
+    const GroundStyle& style = options.style;
+    const bool plain = style.colour == GroundColour::height && style.contour_interval_m == 0 && (drape == 0 || !style.drape);
+    glUseProgram(plain ? plain_surface : surface);
     glBindVertexArray(arrays[1]);
     glDrawArrays(GL_TRIANGLES, 0, 3);
   }
@@ -185,7 +192,7 @@ struct TerrainRenderer::Impl {
     const double near = near_of(box(), camera.eye);
     const auto projection = projection_matrix(camera, picture, part, near);
     for (const GLuint program : {whole, holed}) set(program, "projection", projection);
-    to.set_samples(surface, camera, picture, part, supersampling, near);
+    for (const GLuint program : {surface, plain_surface}) to.set_samples(program, camera, picture, part, supersampling, near);
     glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     glEnable(GL_SCISSOR_TEST);
     // In pixels of the canvas, `more` around the region.
@@ -233,7 +240,7 @@ struct TerrainRenderer::Impl {
     const std::int64_t before = tiles->loaded();
     const int supersampling = mode == DrawMode::coverage ? 1 : std::clamp(options.supersampling, 1, 4);
     set_camera(camera, mode);
-    set_highlights(surface, highlights);
+    for (const GLuint program : {surface, plain_surface}) set_highlights(program, highlights);
     set(surface, "line_px", supersampling);
     draw_in_parts(picture, supersampling, canvas, take,
                   [&](const PicturePart& part, const Canvas& to) { draw_part(patches, camera, picture, part, supersampling, mode, to); });
@@ -247,7 +254,7 @@ struct TerrainRenderer::Impl {
   std::unique_ptr<TerrainScene> scene;
   std::unique_ptr<TileCache> tiles;
   std::unique_ptr<Canvas> canvas;
-  GLuint whole = 0, holed = 0, capture = 0, surface = 0, light = 0, ramp = 0, drape = 0, patch_buffer = 0, tile_buffer = 0;
+  GLuint whole = 0, holed = 0, capture = 0, surface = 0, plain_surface = 0, light = 0, ramp = 0, drape = 0, patch_buffer = 0, tile_buffer = 0;
   GLuint arrays[2]{};
 };
 
