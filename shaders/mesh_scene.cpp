@@ -10,7 +10,6 @@
 #include "core/terrain/fill_voids.h"
 #include "core/terrain/sea.h"
 #include "core/terrain/slope.h"
-#include "core/terrain/statistics.h"
 #include "shaders/mesh_border.h"
 
 namespace arete {
@@ -145,8 +144,8 @@ void make_mesh_overview(const TriangleMesh& mesh, MeshScene& scene, const SceneO
     std::fill(heights.data(), heights.data() + heights.size().cells(), static_cast<float>(box.low[2]));
 }
 
-/// What survey() of terrain_scene.cpp says of a DEM. Before voids are filled.
-SceneFacts survey(const MeshScene& scene) {
+/// Before voids are filled.
+SceneFacts survey(const MeshScene& scene, const SceneOptions& options) {
   const Raster<float>& heights = scene.overview.cells;
   const Raster<std::uint8_t> sea = find_sea(heights.view());
   SceneFacts facts;
@@ -160,10 +159,7 @@ SceneFacts survey(const MeshScene& scene) {
       land.push_back(heights(x, y));
       if (const auto slope = complete_gradient(heights.view(), x, y, scene.block)) slopes.push_back(static_cast<float>(std::hypot(slope->east, slope->north)));
     }
-  facts.ramp_low_m = land.empty() ? facts.low_m : percentile(land, 0.001);
-  facts.ramp_high_m = land.empty() ? facts.high_m : percentile(land, 0.999);
-  if (!slopes.empty()) facts.exaggeration = exaggeration_for(percentile(slopes, 0.9), 20, 6);
-  if (!slopes.empty()) facts.steepest_deg = slope_scale_deg(std::atan(static_cast<double>(percentile(slopes, 0.99))) * 180 / M_PI);
+  settle_facts(facts, land, slopes, options);
   return facts;
 }
 
@@ -325,11 +321,8 @@ std::unique_ptr<MeshScene> prepare_mesh(TriangleMesh mesh, const SceneOptions& o
   scene->ground = ground_of(mesh);
   sort_by_place(mesh, scene->ground);
   make_mesh_overview(mesh, *scene, options, progress);
-  scene->facts = survey(*scene);
+  scene->facts = survey(*scene, options);
   fill_voids(scene->overview.cells.view());
-  if (options.exaggeration > 0) scene->facts.exaggeration = options.exaggeration;
-  if (options.steepest_deg) scene->facts.steepest_deg = *options.steepest_deg;
-  if (options.ramp_range_m) scene->facts.ramp_low_m = (*options.ramp_range_m)[0], scene->facts.ramp_high_m = (*options.ramp_range_m)[1];
 
   place_vertices(mesh, *scene);
   std::vector<BorderSide> border = find_border(mesh);
@@ -356,13 +349,8 @@ void light_mesh(MeshScene& scene, double exaggeration, double sun_azimuth_deg, d
   const bool same_heights = scene.facts.exaggeration == exaggeration && scene.light.sky.size().cells() > 0;
   scene.facts.exaggeration = exaggeration;
   const Point3 &from = scene.ground.low, &to = scene.ground.high;
-  const double low = from[2] * exaggeration, high = to[2] * exaggeration;
-  scene.base = low - std::max(0.15 * (high - low), 0.015 * std::max(to[0] - from[0], to[1] - from[1]));
-  SkyLightOptions sky{.sun_azimuth_deg = sun_azimuth_deg, .sun_elevation_deg = sun_elevation_deg, .exaggeration = exaggeration, .threads = options.threads};
-  if (same_heights) sky.directions = 1;
-  SkyLight light = measure_sky_light(scene.overview.cells.view(), scene.block, sky);
-  scene.light.sun = std::move(light.sun);
-  if (!same_heights) scene.light.sky = std::move(light.sky);
+  scene.base = foot_of_walls(from[2] * exaggeration, to[2] * exaggeration, std::max(to[0] - from[0], to[1] - from[1]));
+  light_overview(scene.light, scene.overview.cells.view(), scene.block, exaggeration, sun_azimuth_deg, sun_elevation_deg, !same_heights, options.threads);
 }
 
 }  // namespace arete

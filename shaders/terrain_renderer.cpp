@@ -38,6 +38,12 @@ void draw_patches(GLsizei first, GLsizei count) {
   for (GLsizei i = 0; i < count; i += at_once) glDrawArrays(GL_PATCHES, (first + i) * patch_vertices, std::min(at_once, count - i) * patch_vertices);
 }
 
+std::vector<std::size_t> numbers_to(std::size_t count) {
+  std::vector<std::size_t> numbers(count);
+  std::iota(numbers.begin(), numbers.end(), std::size_t{0});
+  return numbers;
+}
+
 }  // namespace
 
 struct TerrainRenderer::Impl {
@@ -88,7 +94,7 @@ struct TerrainRenderer::Impl {
     for (const GLuint program : {whole, holed, capture, surface, plain_surface}) {
       set_int(program, "heights", 0);
       set_int(program, "last", scene->tree.size.width - 1, scene->tree.size.height - 1);
-      for (const char* name : {"cell", "drape_cell"}) set(program, name, at.cell.x_m, at.cell.y_m);
+      set(program, "cell", at.cell.x_m, at.cell.y_m);
       set(program, "exaggeration", at.exaggeration);
       set(program, "base", at.base);
     }
@@ -143,11 +149,10 @@ struct TerrainRenderer::Impl {
 
   /// Which patches are seen where.
   void draw_surfaces(std::span<const TerrainPatch> patches, const std::vector<TileCache::Place>& places, DrawMode mode) {
-    std::vector<std::size_t> order;
-    for (const bool with_voids : {false, true})
-      for (std::size_t i = 0; i < patches.size(); ++i)
-        if ((places[i].holed && patches[i].side != 5) == with_voids) order.push_back(i);
-    const auto without = std::count_if(order.begin(), order.end(), [&](std::size_t i) { return !places[i].holed || patches[i].side == 5; });
+    // The floor is seen through voids.
+    const auto is_whole = [&](std::size_t i) { return !places[i].holed || patches[i].side == 5; };
+    std::vector<std::size_t> order = numbers_to(patches.size());
+    const auto without = static_cast<GLsizei>(std::stable_partition(order.begin(), order.end(), is_whole) - order.begin());
     load_vertices(patches, places, order);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_GREATER);
@@ -155,8 +160,8 @@ struct TerrainRenderer::Impl {
       for (const GLuint program : {whole, holed}) {
         glProgramUniform1ui(program, glGetUniformLocation(program, "marks"), marks);
         glUseProgram(program);
-        if (program == whole) draw_patches(0, static_cast<GLsizei>(without));
-        else draw_patches(static_cast<GLsizei>(without), static_cast<GLsizei>(order.size()) - static_cast<GLsizei>(without));
+        if (program == whole) draw_patches(0, without);
+        else draw_patches(without, static_cast<GLsizei>(order.size()) - without);
       }
     };
     if (mode != DrawMode::wireframe) return draw_all(0);
@@ -326,9 +331,7 @@ std::vector<std::array<float, 3>> TerrainRenderer::evaluate(const std::vector<Te
     std::vector<TileCache::Place> places;
     const std::span<const TerrainPatch> batch = rest.first(impl_->tiles->load(rest, places));
     rest = rest.subspan(batch.size());
-    std::vector<std::size_t> order(batch.size());
-    std::iota(order.begin(), order.end(), std::size_t{0});
-    impl_->load_vertices(batch, places, order);
+    impl_->load_vertices(batch, places, numbers_to(batch.size()));
     std::size_t count = 0;
     for (const TerrainPatch& patch : batch) count += static_cast<std::size_t>(3 * count_triangles(patch));
     glNamedBufferData(buffer, static_cast<GLsizeiptr>(count * sizeof vertices[0]), nullptr, GL_STREAM_READ);

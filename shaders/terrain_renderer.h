@@ -14,14 +14,14 @@
 
 namespace arete {
 
-/// Draws a terrain in perspective with hardware tessellation, without a window. Every vertex is a sample of the DEM, displaced in the
-/// tessellation evaluation stage; the quadtree (terrain_quadtree.h) says which. Slopes are taken per pixel from samples about as far
+/// Draws a terrain in perspective with hardware tessellation, without a window. Every vertex is a sample of the DEM (of a large tree, of the level that it is
+/// drawn from: SamplePyramid), displaced in the tessellation evaluation stage; the quadtree (terrain_quadtree.h) says which. Slopes are taken per pixel from samples about as far
 /// apart as pixels. Light: a sun with soft shadows of the terrain, and the sky as far as the terrain lets it in
 /// (core/terrain/sky_light.h, on 1024 x 1024 cells at most). A void is a hole whose edge lies halfway to the valid samples, through which the dark floor
 /// of the block is seen;
 /// water (sample_pyramid.h) is blue. No curvature of the Earth.
 ///
-/// Guarantees: 1. the same driver gives the same bytes for the same calls, whatever `threads` is and was drawn before. 2. Meshes have no
+/// Guarantees: 1. the same driver gives the same bytes for the same calls, whatever `threads` and memory_bytes are and whatever was drawn before. 2. Meshes have no
 /// cracks (terrain_quadtree.h). 3. Memory: memory_bytes, the quadtree, 1280 rows of the picture, and what draw() gives back.
 class TerrainRenderer final : public SceneRenderer {
  public:

@@ -16,7 +16,7 @@ namespace {
 constexpr std::int64_t longest_overview = 1024;
 
 /// Looks at the level that is about as large as the overview, or the base.
-SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& overview) {
+SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& overview, const SceneOptions& options) {
   int level = pyramid.base();
   while (level + 1 < pyramid.levels() && std::max(pyramid.size(level).width, pyramid.size(level).height) > longest_overview) ++level;
   const Size size = pyramid.size(level);
@@ -39,15 +39,35 @@ SceneFacts survey(const SamplePyramid& pyramid, CellSize cell, const Overview& o
     }
   facts.low_m = overview.low_m;
   facts.high_m = overview.high_m;
-  facts.ramp_low_m = land.empty() ? facts.low_m : percentile(land, 0.001);
-  facts.ramp_high_m = land.empty() ? facts.high_m : percentile(land, 0.999);
-  // The steepest tenth of gentle terrain looks like 20 degrees.
-  if (!slopes.empty()) facts.exaggeration = exaggeration_for(percentile(slopes, 0.9), 20, 6);
-  if (!slopes.empty()) facts.steepest_deg = slope_scale_deg(std::atan(static_cast<double>(percentile(slopes, 0.99))) * 180 / M_PI);
+  settle_facts(facts, land, slopes, options);
   return facts;
 }
 
 }  // namespace
+
+void settle_facts(SceneFacts& facts, std::vector<float>& land, std::vector<float>& slopes, const SceneOptions& options) {
+  facts.ramp_low_m = land.empty() ? facts.low_m : percentile(land, 0.001);
+  facts.ramp_high_m = land.empty() ? facts.high_m : percentile(land, 0.999);
+  if (!slopes.empty()) {
+    // The steepest tenth of gentle terrain looks like 20 degrees.
+    facts.exaggeration = exaggeration_for(percentile(slopes, 0.9), 20, 6);
+    facts.steepest_deg = slope_scale_deg(std::atan(static_cast<double>(percentile(slopes, 0.99))) * 180 / M_PI);
+  }
+  if (options.exaggeration > 0) facts.exaggeration = options.exaggeration;
+  if (options.steepest_deg) facts.steepest_deg = *options.steepest_deg;
+  if (options.ramp_range_m) facts.ramp_low_m = (*options.ramp_range_m)[0], facts.ramp_high_m = (*options.ramp_range_m)[1];
+}
+
+double foot_of_walls(double low, double high, double longest_m) { return low - std::max(0.15 * (high - low), 0.015 * longest_m); }
+
+void light_overview(SkyLight& light, RasterView<const float> heights, CellSize block, double exaggeration, double sun_azimuth_deg, double sun_elevation_deg,
+                    bool sky_too, int threads) {
+  SkyLightOptions options{.sun_azimuth_deg = sun_azimuth_deg, .sun_elevation_deg = sun_elevation_deg, .exaggeration = exaggeration, .threads = threads};
+  if (!sky_too) options.directions = 1;
+  SkyLight fresh = measure_sky_light(heights, block, options);
+  light.sun = std::move(fresh.sun);
+  if (sky_too) light.sky = std::move(fresh.sky);
+}
 
 std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize cell, const SceneOptions& options, Progress& progress) {
   const Size size = source.size();
@@ -73,10 +93,7 @@ std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize
   }
   fill_voids(heights.view());
   scene->pyramid = std::make_unique<SamplePyramid>(source, scene->overview, options.memory_bytes / 4 * 3, options.measured_cells, options.threads, progress);
-  scene->facts = survey(*scene->pyramid, cell, scene->overview);
-  if (options.exaggeration > 0) scene->facts.exaggeration = options.exaggeration;
-  if (options.steepest_deg) scene->facts.steepest_deg = *options.steepest_deg;
-  if (options.ramp_range_m) scene->facts.ramp_low_m = (*options.ramp_range_m)[0], scene->facts.ramp_high_m = (*options.ramp_range_m)[1];
+  scene->facts = survey(*scene->pyramid, cell, scene->overview, options);
   scene->tree = build_quadtree(*scene->pyramid, options.threads, progress);
   scene->placement = {cell, scene->facts.exaggeration, 0, options.walls, options.walls && scene->facts.has_voids};
   light_scene(*scene, scene->facts.exaggeration, options.sun_azimuth_deg, options.sun_elevation_deg, options.threads);
@@ -88,15 +105,10 @@ void light_scene(TerrainScene& scene, double exaggeration, double sun_azimuth_de
   scene.facts.exaggeration = scene.placement.exaggeration = exaggeration;
   const CellSize cell = scene.placement.cell;
   const Size size = scene.tree.size;
-  const double low = scene.facts.low_m * exaggeration, high = scene.facts.high_m * exaggeration;
-  const double longest = std::max(static_cast<double>(size.width - 1) * cell.x_m, static_cast<double>(size.height - 1) * cell.y_m);
-  scene.placement.base = low - std::max(0.15 * (high - low), 0.015 * longest);
+  scene.placement.base = foot_of_walls(scene.facts.low_m * exaggeration, scene.facts.high_m * exaggeration,
+                                       std::max(static_cast<double>(size.width - 1) * cell.x_m, static_cast<double>(size.height - 1) * cell.y_m));
   const CellSize block{cell.x_m * static_cast<double>(scene.overview.across), cell.y_m * static_cast<double>(scene.overview.down)};
-  SkyLightOptions options{.sun_azimuth_deg = sun_azimuth_deg, .sun_elevation_deg = sun_elevation_deg, .exaggeration = exaggeration, .threads = threads};
-  if (same_heights) options.directions = 1;
-  SkyLight light = measure_sky_light(scene.overview.cells.view(), block, options);
-  scene.light.sun = std::move(light.sun);
-  if (!same_heights) scene.light.sky = std::move(light.sky);
+  light_overview(scene.light, scene.overview.cells.view(), block, exaggeration, sun_azimuth_deg, sun_elevation_deg, !same_heights, threads);
 }
 
 }  // namespace arete

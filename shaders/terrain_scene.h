@@ -21,7 +21,7 @@ struct GroundPicture {
   Size size;
   std::vector<std::array<std::uint8_t, 4>> rgba;            ///< sRGB and opacity, row 0 at the top; along rows and columns of the DEM
   double left = 0, top = 0, width = 1, height = 1;          ///< what it covers, in cells of the DEM from the outer corner of the first
-  CellSize cell = {1, 1};                                   ///< of the DEM, metres; terrains know it
+  CellSize cell = {1, 1};                                   ///< of the DEM, metres
 };
 
 struct SceneOptions {
@@ -44,7 +44,7 @@ struct SceneOptions {
   int threads = 0;
 };
 
-/// What the scene found in the terrain.
+/// What the scene found in the terrain. Of a tree in levels, in the level that is read whole (SamplePyramid), which is smoother than the finest.
 struct SceneFacts {
   double low_m = 0, high_m = 0;            ///< lowest and highest valid sample
   double ramp_low_m = 0, ramp_high_m = 0;  ///< ends of the colours: 0.1 and 99.9 % of the land
@@ -66,6 +66,16 @@ struct TerrainScene {
 /// Reads the source, or the level that takes its place (SamplePyramid), by windows: once for the overview, once for the pyramid, and once more where not all samples stay in memory. The source
 /// must outlive the scene. Throws Error{input} where the raster is less than 2 x 2 cells or no cell is valid.
 std::unique_ptr<TerrainScene> prepare_scene(const RasterSource& source, CellSize cell, const SceneOptions& options, Progress& progress);
+
+/// What suits land of those heights (metres) and slopes (metres per metre) where the options do not say: ends of colours, exaggeration, steepest slope.
+void settle_facts(SceneFacts& facts, std::vector<float>& land, std::vector<float>& slopes, const SceneOptions& options);
+
+/// Where walls end under ground from `low` to `high` (exaggerated metres) of that length.
+double foot_of_walls(double low, double high, double longest_m);
+
+/// Sun, and where `sky_too` sky, over an overview with cells of that size.
+void light_overview(SkyLight& light, RasterView<const float> heights, CellSize block, double exaggeration, double sun_azimuth_deg, double sun_elevation_deg,
+                    bool sky_too, int threads);
 
 /// Another exaggeration or sun. Seconds at most: 17 visits of the cells of the overview, 2 where the exaggeration stays.
 void light_scene(TerrainScene& scene, double exaggeration, double sun_azimuth_deg, double sun_elevation_deg, int threads);

@@ -40,7 +40,7 @@ TEST_F(DrapedTerrain, EdgesLieWhereThePictureSaysAndTransparentPixelsShowTheGrou
   const Raster<float> cells(side, side, 100.0f);
   const ViewSource source(cells.view());
   // Columns 20 to 60 of the DEM, rows 10 to 90: red, from column 50 on blue, below row 70 nothing.
-  auto picture = std::make_shared<GroundPicture>(GroundPicture{{80, 160}, {}, 20, 10, 40, 80});
+  auto picture = std::make_shared<GroundPicture>(GroundPicture{{80, 160}, {}, 20, 10, 40, 80, {30, 30}});
   for (std::int64_t y = 0; y < 160; ++y)
     for (std::int64_t x = 0; x < 80; ++x)
       picture->rgba.push_back(y >= 120 ? Pixel{255, 255, 255, 0} : x < 60 ? Pixel{230, 20, 20, 255} : Pixel{20, 20, 230, 255});
@@ -88,7 +88,7 @@ TEST_F(DrapedTerrain, AFinePatternFarAwayIsItsMeanWithoutSeams) {
   for (std::int64_t y = 0; y < 400; ++y)
     for (std::int64_t x = 0; x < 400; ++x) hills(x, y) = static_cast<float>(40 * std::sin(static_cast<double>(x) / 15) + 1000);
   const ViewSource source(hills.view());
-  auto picture = std::make_shared<GroundPicture>(GroundPicture{{800, 800}, {}, 0, 0, 400, 400});
+  auto picture = std::make_shared<GroundPicture>(GroundPicture{{800, 800}, {}, 0, 0, 400, 400, {30, 30}});
   for (std::int64_t i = 0; i < 800 * 800; ++i)
     picture->rgba.push_back((i + i / 800) % 2 == 0 ? Pixel{255, 40, 40, 255} : Pixel{40, 255, 40, 255});
   SceneOptions options;
