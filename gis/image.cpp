@@ -250,6 +250,13 @@ void paste(Picture& to, const Picture& from, std::int64_t x, std::int64_t y) {
     }
 }
 
+Picture stack(const Picture& above, const Picture& below) {
+  Picture sheet(std::max(above.width(), below.width()), above.height() + below.height());
+  paste(sheet, above, (sheet.width() - above.width()) / 2, 0);
+  paste(sheet, below, 0, above.height());
+  return sheet;
+}
+
 void fill(Picture& picture, const Window& area, Colour colour) {
   for (std::int64_t y = std::max<std::int64_t>(0, area.y); y < std::min(picture.height(), area.y + area.height); ++y)
     for (std::int64_t x = std::max<std::int64_t>(0, area.x); x < std::min(picture.width(), area.x + area.width); ++x)

@@ -81,6 +81,9 @@ Picture resize_picture(const Picture& picture, std::int64_t width, std::int64_t 
 /// Copies `from` onto `to` with its upper left corner at (x, y), mixed by its opacity; what lies outside is left out.
 void paste(Picture& to, const Picture& from, std::int64_t x, std::int64_t y);
 
+/// One under the other, the upper in the middle where it is narrower.
+Picture stack(const Picture& above, const Picture& below);
+
 /// Fills a rectangle, cut at the borders.
 void fill(Picture& picture, const Window& area, Colour colour);
 

@@ -252,12 +252,8 @@ Legend relief_legend(const Scale& scale, double metres_per_pixel, const ReliefOp
   return legend;
 }
 
-Picture stack(const Picture& map, const Legend& legend, const ColourRamp& ramp) {
-  const Picture strip = draw_legend(legend, ramp, std::max(map.width(), narrowest));
-  Picture sheet(strip.width(), map.height() + strip.height());
-  paste(sheet, map, (sheet.width() - map.width()) / 2, 0);
-  paste(sheet, strip, 0, map.height());
-  return sheet;
+Picture add_legend(const Picture& map, const Legend& legend, const ColourRamp& ramp) {
+  return stack(map, draw_legend(legend, ramp, std::max(map.width(), narrowest)));
 }
 
 }  // namespace
@@ -318,9 +314,9 @@ Relief draw_relief(const RasterSource& source, CellSize cell, const ReliefOption
   if (style.contour_interval_m > 0)
     draw_contours(relief.picture, grounds[0].overview.cells.view(), std::as_const(grounds[0].water).view(), style.contour_interval_m, options.threads);
   if (options.legend && !find_font().empty())
-    relief.picture = stack(relief.picture, legend, ramp_of(style.colour, ramp));
+    relief.picture = add_legend(relief.picture, legend, ramp_of(style.colour, ramp));
   if (options.legend && !find_font().empty() && drape && drape->values)
-    relief.picture = stack(relief.picture, value_legend(*drape, options.cover->path), named_ramp("viridis"));
+    relief.picture = add_legend(relief.picture, value_legend(*drape, options.cover->path), named_ramp("viridis"));
   return relief;
 }
 
@@ -346,7 +342,7 @@ Relief draw_relief_panels(const std::vector<ReliefPanel>& panels, int columns, c
     draw_text(sheet, x, y + head - font / 2, panels[static_cast<std::size_t>(i)].caption, font, {45, 45, 48, 255});
     paste(sheet, finish_map(paint_relief(grounds[static_cast<std::size_t>(i)], scale, options), pixels), x, y + head);
   }
-  if (options.legend && !find_font().empty()) sheet = stack(sheet, relief_legend(scale, metres, options), named_ramp(options.ramp));
+  if (options.legend && !find_font().empty()) sheet = add_legend(sheet, relief_legend(scale, metres, options), named_ramp(options.ramp));
   return {std::move(sheet), scale.low_m, scale.high_m, scale.exaggeration, metres};
 }
 
@@ -419,7 +415,7 @@ Relief draw_difference_map(const RasterSource& reference, const RasterSource& re
   legend.metres_per_pixel = options.metric ? layout.metres_per_pixel : 0;
   if (voids) legend.swatches.push_back({hatching(40, 20), "no data"});
   legend.note = "blue: too low, red: too high";
-  map.picture = stack(map.picture, legend, ramp);
+  map.picture = add_legend(map.picture, legend, ramp);
   return map;
 }
 

@@ -34,13 +34,6 @@ Size parse_size(const std::string& text) {
 
 DrawMode mode_of(const std::string& name) { return name == "wireframe" ? DrawMode::wireframe : name == "levels" ? DrawMode::levels : DrawMode::lit; }
 
-Picture stack(const Picture& above, const Picture& below) {
-  Picture sheet(above.width(), above.height() + below.height());
-  paste(sheet, above, 0, 0);
-  paste(sheet, below, 0, above.height());
-  return sheet;
-}
-
 /// The strip under the picture. `drape` may be null.
 Picture legend_of(const SceneFacts& facts, const GroundStyle& style, const std::string& ramp, const DrapePicture* drape, const std::string& drape_path,
                   std::int64_t width, double metres_per_pixel) {
@@ -191,8 +184,9 @@ std::vector<CLI::Option*> add_perspective_options(CLI::App* verb, PerspectiveArg
 void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions& common) {
   Drawing drawing{.view = parse_size(arguments.size), .mode = mode_of(arguments.mode), .depth = depth_of(arguments.output), .threads = common.threads};
   check_camera(arguments.camera);
-  if (const GroundArguments& style = arguments.ground; arguments.mode == "levels" && (style.colour != "height" || !style.contours.empty() || !style.drape.empty()))
+  if (const GroundArguments& given = arguments.ground; arguments.mode == "levels" && (given.colour != "height" || !given.contours.empty() || !given.drape.empty()))
     throw Error(ErrorKind::usage, "--style levels has colours of its own: leave out --colour, --contours and --drape");
+  const GroundStyle style = ground_style(arguments.ground);
   const std::vector<std::string> paths = picture_paths(arguments.output, arguments.camera.turntable);
   for (const std::string& path : paths) check_picture_path(path, common.overwrite);
   const bool legend = arguments.legend && drawing.depth != PictureDepth::half;
@@ -210,7 +204,7 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   SceneOptions scene = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, 3);
   scene.sun_azimuth_deg = arguments.sun_azimuth_deg + grid_north_deg(ground);
   scene.supersampling = 2;
-  scene.style = ground_style(arguments.ground);
+  scene.style = style;
   std::optional<DrapePicture> drape;
   if (!arguments.ground.drape.empty()) {
     drape = drape_of(arguments.ground, arguments.input, input.geo, input.size, common);
@@ -229,14 +223,15 @@ void draw_perspective(const PerspectiveArguments& arguments, const CommonOptions
   drawing.needle = legend;
   drawing.grid_north_deg = grid_north_deg(ground);
   // Levels have colours of their own.
-  if (legend && arguments.mode != "levels" && !find_font().empty()) 
+  if (legend && arguments.mode != "levels" && !find_font().empty())
     drawing.legend = legend_of(facts, renderer.style(), arguments.ramp, drape ? &*drape : nullptr, arguments.ground.drape, drawing.view.width, pixel_m);
   const Frame frame = draw_pictures(renderer, cameras, drawing, paths, common.overwrite, *progress);
 
   const std::int64_t height = drawing.view.height + drawing.legend.height();
   const bool many = paths.size() > 1;
-  nlohmann::json data = {{"width", drawing.view.width}, {"height", height}, {"low_m", facts.low_m},
-                         {"high_m", facts.high_m}, {"contour_interval_m", renderer.style().contour_interval_m}, {"exaggeration", facts.exaggeration}, {"triangles", frame.triangles}, {"patches", frame.patches},
+  nlohmann::json data = {{"width", drawing.view.width}, {"height", height}, {"low_m", facts.low_m}, {"high_m", facts.high_m},
+                         {"contour_interval_m", renderer.style().contour_interval_m}, {"exaggeration", facts.exaggeration},
+                         {"triangles", frame.triangles}, {"patches", frame.patches},
                          {"tiles_loaded", frame.tiles_loaded}, {"camera_m", camera.eye}, {"target_m", camera.target},
                          {"eye", place_in_crs(camera.eye, ground, facts.exaggeration)}, {"look_at", place_in_crs(camera.target, ground, facts.exaggeration)},
                          {"metres_per_pixel", pixel_m}, {"renderer", renderer.driver()}};

@@ -46,6 +46,7 @@ void save_picture(const Frame& frame, const std::string& input, const CommonOpti
 
 void run_view(const ViewArguments& arguments, const CommonOptions& common) {
   limit_block_cache(common.memory_bytes / 4);
+  const GroundStyle style = ground_style(arguments.ground);
   require_display();
   SceneInput input = open_scene(arguments.input, arguments.dem, common), other;
   ViewedTerrains terrains;
@@ -54,7 +55,7 @@ void run_view(const ViewArguments& arguments, const CommonOptions& common) {
     terrains.offset_m = offset_between(input, other);
   }
   SceneOptions options = scene_options(arguments.ramp, arguments.exaggeration, arguments.max_error_px, common, arguments.other.empty() ? 3 : 6);
-  options.style = ground_style(arguments.ground);
+  options.style = style;
   std::unique_ptr<SceneRenderer> first, second;
   {
     const auto progress = make_progress(common);
