@@ -1,8 +1,10 @@
 // Meshes as preview draws them in perspective and view shows them beside their DEM.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -86,6 +88,31 @@ TEST_F(MeshPerspective, LinesAreDrawnAndLevelsRefused) {
   EXPECT_EQ(outcome.error_lines(), 1);
   EXPECT_THAT(outcome.err, HasSubstr("--style levels is of DEMs"));
   EXPECT_FALSE(std::filesystem::exists(path("levels.png")));
+}
+
+TEST_F(MeshPerspective, CamerasColoursContoursAndDrapesAreThoseOfDems) {
+  mesh("mesh.ply");
+  ASSERT_EQ(draw("mesh.ply", "plain.png").code, 0);
+  const std::string place = "501000,4599000";
+  for (const std::string& options : {std::string("--colour slope"), std::string("--contours=100"), "--drape " + dem_, "--look-at " + place + " --distance 4000 --pitch 60",
+                                     "--look-at " + place + " --eye 503500,4597500,+900"}) {
+    for (const auto& [input, picture] : {std::pair{"dem.tif", "same.png"}, {"mesh.ply", "mesh.png"}}) {
+      const Outcome outcome = draw(input, picture, options);
+      ASSERT_EQ(outcome.code, 0) << options << ": " << outcome.err;
+    }
+    const double change = difference("mesh.png", "plain.png");
+    EXPECT_GT(change, 0.8) << options;
+    EXPECT_LT(difference("mesh.png", "same.png"), std::min(8.0, 0.6 * change)) << options;
+  }
+  EXPECT_EQ(draw("mesh.ply", "round.png", "--turntable 2").code, 0);
+  EXPECT_TRUE(std::filesystem::exists(path("round-001.png")));
+  EXPECT_EQ(draw("mesh.ply", "light.exr").code, 0);
+  for (const char* options : {"--eye 501000,4599000,-4000", "--look-at 400000,4597000", "--contours=none"}) {
+    const Outcome outcome = draw("mesh.ply", "none.png", options);
+    EXPECT_EQ(outcome.code, 2) << options;
+    EXPECT_EQ(outcome.error_lines(), 1) << outcome.err;
+    EXPECT_FALSE(std::filesystem::exists(path("none.png")));
+  }
 }
 
 TEST_F(MeshPerspective, SaysWhyItCannotDraw) {
